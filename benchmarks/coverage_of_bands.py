@@ -1,6 +1,6 @@
 """Measure how often what is called 95 % holds the truth, in synthetic cases.
 
-    python benchmarks/coverage_of_bands.py [--cases 500] [--side 64] [held] [dropped] [law] [ball]
+    python benchmarks/coverage_of_bands.py [--cases 500] [--side 64] [held] [dropped] [law] [sliding] [ball]
 
 held, dropped
     Bands of `asperity.predict` on levelled parts of Gaussian surfaces, against a half-space whose relaxation
@@ -9,6 +9,8 @@ held, dropped
     intervals of the branches that were fitted to the tables.
 law
     Bands of `asperity.law` on parts of such surfaces, against the mean of all parts.
+sliding
+    Bands of `asperity.steady_sliding` on such parts, against the mean of all parts.
 ball
     95 % intervals of ``infer --model ball``, from depths of parameters drawn from the prior.
 """
@@ -28,7 +30,8 @@ from running import line
 import asperity as asp
 from asperity.base.checks import Floats
 from asperity.inference.models import of_name
-from asperity.inference.sampling import Problem, sample
+from asperity.inference.problem import Problem
+from asperity.inference.sampling import sample
 
 P = asp.protocols
 SERIES = asp.relaxation.PronySeries(2110e6, ((0.102, 8.93), (0.106, 118.0)))
@@ -43,6 +46,8 @@ RHO = 1e-6
 CARRIED = asp.Carried(resistivity=RHO)
 PRESSURES = (1e6, 2e6, 4e6, 8e6, 16e6)
 OF_TILES = ("contact_fraction", "mean_gap", "stiffness")
+RUBBER = {"young": "30 MPa", "poisson": 0.5, "branches": [(0.5, "1 us"), (0.4, "1 ms")]}
+SPEEDS, SLIDING = (1e-5, 1e-3, 1e-1), ("hysteresis_friction_coefficient", "contact_area")
 PRIORS = {"scale": (0.5, 2.0), "time_1": (1.0, 1e4)}
 
 
@@ -128,6 +133,22 @@ def tabulated(side: int, cases: int) -> dict[str, float]:
     return held
 
 
+def slid(side: int, cases: int) -> dict[str, float]:
+    """Print how often the bands of steady sliding hold the mean of all parts, and how wide they are."""
+    solid, held = asp.solids.half_space(**RUBBER), {}
+    for pressure in (5e4, 3e5):
+        curves = [
+            asp.steady_sliding(solid, part, pressure=pressure, speeds=SPEEDS) for part in parts(side, cases)
+        ]
+        for name, place in itertools.product(SLIDING, range(len(SPEEDS))):
+            columns = name, f"{name}_low", f"{name}_high"
+            rows = np.array([[float(curve[column][place]) for column in columns] for curve in curves])
+            fraction = np.mean([curve["contact_fraction"][place] for curve in curves])
+            label = f"sliding: {name} at {SPEEDS[place]:g} m/s, contact {100 * fraction:.2g} %"
+            held[label] = judge(label, rows, rows[:, 0].mean())
+    return held
+
+
 def show(
     history: str,
     found: Mapping[str, list[list[Floats]]],
@@ -186,16 +207,17 @@ def ball(cases: int) -> Floats:
 def main() -> None:
     """Print lines of a table."""
     parser = running.parser(__doc__)
-    parser.add_argument("asked", nargs="*", default=[], choices=[[], "held", "dropped", "law", "ball"])
+    kinds = {"held": None, "dropped": None, "law": tabulated, "sliding": slid}
+    parser.add_argument("asked", nargs="*", default=[], choices=[[], *kinds, "ball"])
     parser.add_argument("--side", type=int, default=64)
     parser.add_argument("--tables", type=int, default=500, help="tables among the cases; each takes a second")
     parser.add_argument("--cases", type=int, default=500)
     asked = parser.parse_args()
-    for name in asked.asked or ("held", "dropped", "law", "ball"):
+    for name in asked.asked or (*kinds, "ball"):
         if name == "ball":
             ball(asked.cases)
-        elif name == "law":
-            tabulated(asked.side, asked.cases)
+        elif of_parts := kinds[name]:
+            of_parts(asked.side, asked.cases)
         else:
             predicted(name, asked.side, asked.cases, min(asked.tables, asked.cases))
 

@@ -22,7 +22,7 @@ def main(seeds):
     print("seed  " + "  ".join(f"{'truth':>7} {'chosen':>16} {'band':>16}  {t:.0e} s" for t in LATER))
     for seed in range(seeds):
         noise = 1 + 0.02 * np.random.default_rng(seed).standard_normal(TIME.size)
-        found = asp.infer(TIME, area(TIME) * noise, effective=300)
+        found = asp.infer(TIME, area(TIME) * noise)
         truth, band, own = area(LATER), found.predicted(LATER), found.rivals[0].band(LATER)
         inside += np.stack([(one[0] < truth) & (truth < one[2]) for one in (own, band)], -1)
         cells = zip(truth, own.T, band.T, strict=True)

@@ -27,8 +27,7 @@ def curves(sizes: list[int]) -> None:
     print(f"| {' | '.join(columns)} |\n{'|---' * len(columns)}|")
     solid = asp.solids.half_space(modulus="100 MPa", branches=BRANCHES)
     for n in sizes:
-        rough = asp.surfaces.spectral((n, n), hurst=0.8, roll_off=n / 4, cutoff=4.0, rms_slope=0.2, seed=1)
-        track = asp.surfaces.Surface(rough, unit="um", pixel_size="1 um")
+        track = track_of(n)
         for speeds in (np.geomspace(1e-6, 1e2, 17), [1e-3]):
             begun = time.process_time()
             found = asp.steady_sliding(solid, track, pressure="0.2 MPa", speeds=speeds)
@@ -51,21 +50,31 @@ def marched() -> None:
     right = 1e4 * steady["hysteresis_friction_coefficient"].item()
     print(f"| steady | {right:.3f} | | {time.process_time() - begun:.2f} |")
     for substeps in (1, 2, 4):
-        begun, rows = time.process_time(), []
-
-        def reached(frame: asp.Frame, rows: list[tuple[float, float]] = rows) -> None:
-            contact = frame.contact
-            slope = np.gradient(np.pad(contact.heights, 1, mode="wrap"), length / sites)[1:-1]
-            slope *= (np.pi / 16) / np.sin(np.pi / 16)  # exact for this wave
-            rows.append((frame.time, -float((contact.pressure * slope).mean())))
-
-        leg = Slide(3 * length, 1e-5, substeps=substeps)
-        asp.age(asp.press(wave, solid, pressure=1e4), [0.0], protocol=leg, progress=reached)
-        when, friction = np.array(rows).T
-        last = when > 2 * length / 1e-5
+        begun, leg = time.process_time(), Slide(3 * length, 1e-5, substeps=substeps)
+        data = asp.age(asp.press(wave, solid, pressure=1e4), [0.0], protocol=leg).dataset
+        when, friction = data["time"].values, 1e4 * data["hysteresis_friction_coefficient"].values
+        last = data["displacement"].values > 2 * length
         mean = np.trapezoid(friction[last], when[last]) / np.ptp(when[last])
         off = f"{100 * (mean / right - 1):+.2f} %"
         print(f"| {substeps} | {mean:.3f} | {off} | {time.process_time() - begun:.2f} |", flush=True)
+
+
+def shifts(sizes: list[int], count: int = 8) -> None:
+    """Print what a shift of a rough surface costs at 1 mm/s."""
+    print("| sites | s a shift | time steps a shift |\n|---|---|---|")
+    solid = asp.solids.half_space(modulus="100 MPa", branches=BRANCHES)
+    for n in sizes:
+        contact = asp.press(track_of(n), solid, pressure="0.2 MPa")
+        begun = time.process_time()
+        data = asp.age(contact, [0.0], protocol=Slide(count * 1e-6, 1e-3)).dataset
+        seconds, steps = time.process_time() - begun, int(data["steps"].sum())
+        print(f"| {n}^2 | {seconds / count:.3f} | {steps / count:.0f} |", flush=True)
+
+
+def track_of(n: int) -> asp.surfaces.Surface:
+    """A self-affine track."""
+    rough = asp.surfaces.spectral((n, n), hurst=0.8, roll_off=n / 4, cutoff=4.0, rms_slope=0.2, seed=1)
+    return asp.surfaces.Surface(rough, unit="um", pixel_size="1 um")
 
 
 def main() -> None:
@@ -79,6 +88,7 @@ def main() -> None:
     curves(asked.sizes)
     if asked.march:
         marched()
+        shifts([32, 128])
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from typing import Any, Literal, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from asperity.aging.ages import Ages, check_strength
 from asperity.aging.frames import Frame
 from asperity.aging.legs import LegMidway, check_slides, follow
 from asperity.aging.limit import relaxed
@@ -40,6 +41,7 @@ from asperity.results.checkpoint import Keeper, Place, fingerprint_of
 from asperity.results.dataset import Moment, Snapshot, dataset_of, moment_of, snapshot_of
 from asperity.results.history import History
 from asperity.results.pulling import Pull
+from asperity.results.tabor import with_friction
 from asperity.solids import Solid
 from asperity.surfaces import Surface
 
@@ -215,8 +217,8 @@ def age(
         run resumes there, with an identical result. Remove it when the results are safe. The repr of a solver
         of your own must contain all its parameters.
     carried
-        Carried quantities to record at each time: stiffness, resistances, sticking share. Each costs about
-        one press a time.
+        Carried quantities to record at each time: stiffness, resistances, sticking share, each of which costs
+        about one press a time; and friction of a shear strength that may age.
     solver
         Contact solver, by default that of `asperity.press`. Local laws of creep have their own.
     exact
@@ -279,6 +281,7 @@ def age(
             exact=exact,
             resume=resume,
             after_step=keep_place,
+            ages=_ages_of(carried, contact, schedule),
         ):
             shown.reached(frame)
             final, parted = frame.contact, frame.parted
@@ -291,6 +294,8 @@ def age(
     control = control_of(contact, hold) if protocol is None else contact.control
     legs = protocol, schedule.switches, hold == "area"
     dataset = dataset_of(contact, control, *legs, rows, snapshots, rtol=tolerance)
+    if carried is not None and carried.strength is not None:
+        dataset = with_friction(dataset, carried.strength, np.array([row.get("grown", 0.0) for row in rows]))
     if parted:
         dataset.attrs["pulled_off"] = rows[-1]["time"]
         when = f"{rows[-1]['time']:g}{' s' * contact.si}"
@@ -299,6 +304,18 @@ def age(
         slides = f"the bodies slide at {np.count_nonzero(~sticks)} of {sticks.size} recorded times"
         remark(f"{slides}: friction times load is not above the shear force")
     return History(dataset, final)
+
+
+def _ages_of(carried: Carried | None, contact: Contact, schedule: Schedule) -> Ages | None:
+    """Ages of the sites, for a strength that ages; refuses a strength before hours have passed."""
+    if carried is None or (strength := carried.strength) is None:
+        return None
+    units.check_units(vars(strength), si=contact.si)
+    strength.at([leg.speed for leg in schedule.legs if leg.speed] or [0.0])
+    if not strength.ages:
+        return None
+    check_strength(strength, schedule, contact.lattice)
+    return Ages(strength, contact)
 
 
 def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | None, times: Field) -> Schedule:

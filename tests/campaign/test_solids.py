@@ -144,3 +144,25 @@ def test_durations_can_be_swept_and_each_run_keeps_its_times(tmp_path):
     assert len(table) == 4
     assert (table["final_area"] == table["final_contact_fraction"] * 256).all()
     assert data.attrs["protocol_in_words"] == "hold swept, step load=4, hold 2"
+
+
+def test_a_strength_that_ages_is_swept(tmp_path):
+    text = """
+    [surface]
+    shape = [24, 24]
+    [contact]
+    load = 30.0
+    [aging]
+    times = [10.0]
+    [friction]
+    shear_strength = 0.5
+    after = 0.1
+    renewal = 2.0
+    [sweep]
+    growth = [0.0, 0.02]
+    """
+    data = campaign_of(tmp_path, text)
+    area, friction = (data[name].values[:, 0, -1] for name in ("friction_by_area", "friction"))
+    assert area[0] == area[1] == friction[0]
+    assert data["strength_mean"].values[1, 0, -1] == pytest.approx(0.5 * friction[1] / area[1], rel=1e-12)
+    assert friction[1] > 1.05 * friction[0]

@@ -131,6 +131,15 @@ def test_the_record_of_a_machine_from_load_point_to_a_table_of_laws_and_events(s
     assert [(row["number"], row["kind"]) for row in events] == [("1", "hold"), ("2", "step")]
     assert [float(row["end"]) - float(row["time"]) for row in events] == pytest.approx([10, 0], abs=0.1)
     assert [float(row["a"]) for row in events] == pytest.approx([0.008] * 2, rel=0.1)
+    assert [float(row["displacement_m"]) for row in events] == pytest.approx([1e-4, 3.5e-4], abs=2e-6)
+    for row in events:
+        for name in ("a", "b", "a_minus_b", "D_c"):
+            end = "_m" * (name == "D_c")
+            assert (
+                float(row[f"{name}_low{end}"]) < float(row[f"{name}{end}"]) < float(row[f"{name}_high{end}"])
+            )
+    drawn = Path("friction/events_data.csv").read_text()
+    assert "displacement of the load point [um]" in drawn
 
 
 @pytest.mark.slow

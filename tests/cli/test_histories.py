@@ -129,6 +129,22 @@ def test_sliding_and_friction_from_flags(tmp_path, says):
     np.testing.assert_array_equal(found["friction"]["friction"], data["friction"])
 
 
+def test_a_strength_that_ages_from_flags(tmp_path, says):
+    legs = [word for leg in ("slide distance=3 velocity=2", "hold 10") for word in ("--leg", leg)]
+    aging = ("--shear-strength", "4", "--growth", "0.02", "--after", "0.1", "--renewal", "2")
+    text = says("run", *SMALL, *legs, *aging, "--out", tmp_path / "out", "--figures", "")
+    assert "by the area" in text
+    assert "growth of friction, leg 1" in text
+    data = results.load(tmp_path / "out")
+    config = read_config(tmp_path / "out" / "config.toml", {})
+    found: dict[str, Any] = {}
+    exec(to_python(config, recorded_times(config).tolist()), found)
+    for name in ("friction", "friction_by_area", "strength_mean", "contact_age_mean", "site_age"):
+        np.testing.assert_array_equal(found["history"].dataset[name], data[name])
+    (row,) = [one for one in rows_of(tmp_path / "out" / "aging.csv") if float(one["time"]) == 11.5]
+    assert float(row["contact_age_mean"]) == data["contact_age_mean"].values[-1] > 9
+
+
 def test_repeat_last_repeats_so_many_legs_in_any_case():
     lines = ["Ramp 1s pressure=1MPa", "STEP pressure=2MPa", "hold 3s"]
     for last in ("repeat 3 last 2", "Repeat 3 last=2", "repeat 3 last = 2"):

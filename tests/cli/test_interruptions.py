@@ -230,7 +230,8 @@ def test_on_a_terminal_there_is_a_bar(tmp_path):
 def test_the_workers_of_a_killed_command_end(tmp_path, command, at):
     (tmp_path / "infer").write_text("t,A\n" + "".join(f"{2**n},{10 + n}\n" for n in range(12)))
     (tmp_path / "sweep").write_text("surface.shape = [256, 256]\nsweep.seeds = 50\n")
-    words = (command, tmp_path / command, "--workers", "2", "--out", tmp_path / "out")
+    sampled = ["--sample"] if command == "infer" else []
+    words = (command, tmp_path / command, *sampled, "--workers", "2", "--out", tmp_path / "out")
     with process(*words, before=stopping(signal.SIGKILL, at)) as running:
         running.wait(timeout=200)
         running.communicate(timeout=20)  # ends when nobody has the output any more

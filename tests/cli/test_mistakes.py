@@ -150,7 +150,7 @@ def cured(words, error):
 def test_what_a_mistake_advises_is_not_refused_for_the_same(command, desk, asperity, monkeypatch):
     monkeypatch.chdir(desk)
     reached = Mock(side_effect=KeyboardInterrupt)
-    for late in ("simulate.follow", "app.campaign.sweeping.compile_loops", "inference.inferring.sample"):
+    for late in ("simulate.follow", "app.campaign.sweeping.compile_loops", "inference.inferring.conclude"):
         monkeypatch.setattr(f"asperity.{late}", reached)
     errors: list[Any] = []
 

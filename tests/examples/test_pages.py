@@ -47,7 +47,7 @@ SMALLER = {
     r"asperity predict": "--per-decade 1 --quiet",
     r"asperity law": "--per-decade 1 --quiet",
     r"asperity sliding(?! config)": "--per-decade 1 --quiet",
-    r"asperity infer": "--walkers 300 --workers 1 --quiet",
+    r"asperity infer": "--quiet",
     r"asperity sweep(?!.*--dry-run)": "--workers 1 --quiet",
 }
 """Flags behind a command, by the beginning of its line; the first that matches."""

@@ -42,6 +42,16 @@ def test_bands_of_laws_hold_the_mean_of_all_surfaces(coverage):
 
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
+def test_bands_of_steady_sliding_hold_the_mean_of_all_surfaces(coverage):
+    found = coverage.slid(64, CASES)
+    least, most = np.asarray(binom.ppf([0.001, 0.999], CASES, 0.95)) / CASES
+    assert len(found) == 12
+    for name, part in found.items():
+        assert least <= part <= most, name
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
 def test_intervals_of_a_ball_hold_its_parameters(coverage):
     held = coverage.ball(CASES)
     least, most = np.asarray(binom.ppf([0.001, 0.999], CASES, 0.95)) / CASES

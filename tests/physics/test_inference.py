@@ -3,25 +3,29 @@
 import math
 import os
 import re
+import time as clock
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
-from scipy.stats import chisquare
+from scipy.stats import binom, chisquare
 
 import asperity as asp
 from asperity.base.rows import words_of
 from asperity.errors import CheckpointError, ConvergenceError, Remark
+from asperity.fits.curve import Series
 from asperity.fits.result import student
-from asperity.inference import Prior, inferring, rivals, sampling, verdicts
+from asperity.inference import Prior, concluding, inferring, leastsquares, rivals, sampling, verdicts
 from asperity.inference.models import of_name
-from asperity.inference.sampling import Problem, sample
+from asperity.inference.problem import Problem
+from asperity.inference.sampling import sample
 from tests.refusals import refuses
 
 T = np.geomspace(1, 1e4, 25)
-SMALL: dict[str, Any] = {"walkers": 100, "effective": 100}
+SMALL: dict[str, Any] = {"sample": True, "walkers": 100, "effective": 100}
 
 
 def curve(model, **parameters):
@@ -102,10 +106,11 @@ LINE: dict[str, Any] = {
 }
 
 
-def test_a_linear_model_has_its_closed_posterior():
+@pytest.mark.parametrize("sampled", [False, True])
+def test_a_linear_model_has_its_closed_posterior(sampled):
     """Normal priors and errors: mean and covariance of linear regression; the profile is the posterior."""
     value, error = noisy(line(T, 1.2, 0.1)), np.full(T.size, 0.05)
-    found = asp.infer(T, value, error, model=line, priors=LINE, walkers=200, seed=3)
+    found = asp.infer(T, value, error, model=line, priors=LINE, sample=sampled, walkers=200, seed=3)
     columns = np.column_stack([np.ones_like(T), np.log(T)]) / error[:, np.newaxis]
     precision = columns.T @ columns + np.diag([1 / 0.5**2, 1 / 0.3**2])
     covariance = np.linalg.inv(precision)
@@ -126,7 +131,7 @@ def test_a_linear_model_has_its_closed_posterior():
 def test_the_profile_of_a_curved_model_is_that_of_an_independent_search():
     """At both ends the misfit is 3.84 above the least, of all that scipy finds from ten starts."""
     value, error = two_times(3.0)
-    found = asp.infer(T, value, error, branches=2, walkers=200, effective=100)
+    found = asp.infer(T, value, error, branches=2)
 
     def misfit(free, time_2):
         scale, share_1, share_2, ratio = free
@@ -202,10 +207,50 @@ def test_ranks_of_curves_are_uniform_and_intervals_cover(model):
     assert abs(covered - 0.95) <= 2 * math.sqrt(0.95 * 0.05 / curves)
 
 
+COVERED: dict[str, dict[str, float]] = {
+    "relaxation": {"scale": 1.0, "share_1": 0.25, "share_2": 0.3, "time_1": 15.0, "time_2": 900.0},
+    "power": {"scale": 1.0, "exponent": 0.3, "time": 2e3},
+    "logarithm": {"scale": 1.0, "slope": 0.1, "time": 20.0},
+    "lattice": {"scale": 1.0, "x1": 2.0, "rate": 0.01},
+    "eyring": {"scale": 1.0, "rate": 1e-15, "length": 1e-6},
+    "healing": {"scale": 0.6, "B": 0.02, "time": 20.0},
+    "ball": {"scale": 1.0, "share_1": 0.35, "time_1": 80.0},
+    "held": {"scale": 1.0, "share_1": 0.35, "time_1": 80.0},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1200)
+@pytest.mark.parametrize("rho", [0.0, 0.6])
+@pytest.mark.parametrize("model", COVERED)
+def test_intervals_by_least_squares_hold_what_they_promise(model, rho):
+    """Errors of 60 points are not given; their neighbors may correlate. CURVES=500 has narrow bounds."""
+    curves, time, truth = int(os.environ.get("CURVES", "20")), np.geomspace(1, 1e4, 60), COVERED[model]
+    how: dict[str, Any] = {"priors": None, "branches": 2 if "time_2" in truth else 1, "absolute": False}
+    how["quantity"] = "depth" if model == "ball" else None
+    made = of_name(model, time, np.ones(60), **how)
+    exact = made.curve(time, {name: np.array([truth.get(name, 1.0)]) for name in made.priors})[0]
+    error = 0.003 if model in ("eyring", "healing") else 0.01
+    mixed = np.linalg.cholesky(rho ** np.abs(np.subtract.outer(np.arange(60), np.arange(60))))
+    random, held = np.random.default_rng(11), dict.fromkeys(truth, 0)
+    for _ in range(curves):
+        value = exact * (1 + error * mixed @ random.standard_normal(60))
+        problem = Problem(time, value, value, of_name(model, time, value, **how), informed=False)
+        first, _ = concluding._judged(rivals.side_by_side([("it", 0, problem)], []), None)
+        best, followed = leastsquares.profiles(first.problem, first.at)
+        found = verdicts.Posterior(first.problem, best[np.newaxis], best, followed, False).verdicts()
+        for name, x in truth.items():
+            held[name] += found[name].low <= x <= found[name].high
+    low, high = (0.93, 0.97) if curves >= 500 else np.array(binom.interval(0.999, curves, 0.95)) / curves
+    for name, count in held.items():
+        one_sided = found[name].verdict == "not identified"  # the interval is that of the prior
+        assert low <= count / curves <= (1.0 if one_sided else high), (name, held)
+
+
 @pytest.mark.slow
 def test_ensembles_are_the_same_from_a_checkpoint_and_in_processes(tmp_path, monkeypatch):
     value, error = noisy(curve("power", exponent=0.3, time=1e4)), np.full(T.size, 0.02)
-    how: dict[str, Any] = {"model": "power", "walkers": 100, "effective": 50}
+    how: dict[str, Any] = {"model": "power", "sample": True, "walkers": 100, "effective": 50}
     plain = asp.infer(T, value, error, **how)
     place = tmp_path / "place"
     whole = sampling._advanced
@@ -246,7 +291,9 @@ def test_a_checkpoint_of_the_last_round_has_the_draws_and_a_damaged_one_is_refus
 
 def test_of_very_many_points_some_are_taken_evenly_in_the_logarithm_of_time():
     t = np.concatenate([[0.0, 0.0], np.arange(1, 200_001) * 0.1])
-    some = t[inferring._chosen(t)]
+    series, remarks = inferring._some(Series(t, t, None), 1000)
+    some = series.x
+    assert remarks[0].startswith(f"took {some.size} of 200,002 points")
     assert some[0] == 0.0 < some[1] == 0.1
     assert (some.size <= 1000, some[-1]) == (True, t[-1])
     late = some[some > 50]
@@ -263,10 +310,9 @@ def test_times_may_be_in_any_order():
 # -- The verdicts --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
 def test_a_normalized_curve_knows_the_sum_of_two_near_branches_and_no_load_modulus_or_roughness():
     value, error = two_times(3.0)
-    found = asp.infer(T, value, error, model="relaxation", branches=2, walkers=600, effective=300)
+    found = asp.infer(T, value, error, model="relaxation", branches=2)
     for name in ("load", "modulus", "rms_slope", "area_factor"):
         assert found.verdicts[name].verdict == "not identified"
     for one in (found.verdicts[f"share_{n}"] for n in (1, 2)):
@@ -287,19 +333,17 @@ def test_a_normalized_curve_knows_the_sum_of_two_near_branches_and_no_load_modul
     assert 0.2 < known.widths["modulus"] < 0.95
 
 
-@pytest.mark.slow
 def test_areas_in_square_metres_under_a_known_load_know_the_roughness():
     exact = 2.0 * 5.0 / (2e9 * 0.1) * curve("power", exponent=0.3, time=1e4)
     priors: dict[str, Any] = {
         "load": {"kind": "normal", "mean": "5 N", "deviation": "0.05 N"},
         "modulus": {"kind": "log_normal", "median": "2 GPa", "factor": 1.02},
     }
-    found = asp.infer(
-        T, noisy(exact), 0.01 * exact, model="power", priors=priors, absolute=True, walkers=500, effective=200
-    )
+    found = asp.infer(T, noisy(exact), 0.01 * exact, model="power", priors=priors, absolute=True)
     slope = found.verdicts["rms_slope"]
     assert slope.verdict == "determined"
-    assert slope.low < 0.1 < slope.high < 1.4 * slope.low  # area_factor is known from 1.6 to 2.2
+    assert slope.low < 0.1 < slope.high
+    assert 2.2 / 1.6 < slope.high / slope.low < 1.15 * 2.2 / 1.6  # area_factor is known from 1.6 to 2.2
     assert found.verdicts["load"].verdict == "not identified"  # no more than what was known
 
 
@@ -324,11 +368,11 @@ CASES: dict[str, tuple[Any, ...]] = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.parametrize("how", [{}, pytest.param(SMALL, marks=pytest.mark.slow)], ids=["fit", "samples"])
 @pytest.mark.parametrize("case", CASES)
-def test_verdicts_and_intervals_are_those_of_the_curves(case):
+def test_verdicts_and_intervals_are_those_of_the_curves(case, how):
     model, exact, relative, expected = CASES[case]
-    found = asp.infer(T, noisy(exact, relative, seed=1), relative * exact, model=model, **SMALL)
+    found = asp.infer(T, noisy(exact, relative, seed=1), relative * exact, model=model, **how)
     for name, (verdict, truth) in expected.items():
         one = found.verdicts[name]
         assert one.verdict == verdict
@@ -354,11 +398,11 @@ def test_what_is_known_of_a_parameter_makes_no_errors(monkeypatch):
     }
     errors = []
 
-    def stopped(problem, **_):
+    def stopped(problem, _):
         errors.append(problem.error)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(inferring, "sample", stopped)
+    monkeypatch.setattr(concluding, "profiles", stopped)
     for priors in ({}, known):
         with pytest.raises(KeyboardInterrupt):
             asp.infer(T, value, branches=1, priors=priors)
@@ -369,17 +413,16 @@ def test_what_is_known_of_a_parameter_that_the_curve_does_not_contain_is_no_misf
     known: dict[str, Any] = {"load": {"kind": "normal", "mean": 1, "deviation": 1e-3}}
     made = of_name("relaxation", T, T, priors=known, branches=1, absolute=False)
     problem = Problem(T, np.ones_like(T), np.ones_like(T), made)
-    z = problem.of_prior(np.random.default_rng(0), 1)[0]
+    z = problem.of_prior(np.random.default_rng(0), 1)
     other = np.where(np.array(list(made.priors)) == "load", 3.0, z)
-    assert problem.improved(other, problem.used)[0] == problem.improved(z, problem.used)[0]
+    assert leastsquares.least(problem, other)[0] == leastsquares.least(problem, z)[0]
 
 
-@pytest.mark.slow
 def test_errors_are_found_from_the_scatter_and_widened_where_it_is_correlated():
     random = np.random.default_rng(2)
     t = np.geomspace(1, 1e4, 60)
     exact = 1 + (t / 1e4) ** 0.3
-    how: dict[str, Any] = {"model": "power", "walkers": 200, "effective": 50}
+    how: dict[str, Any] = {"model": "power"}
     white = asp.infer(t, exact * (1 + 0.01 * random.standard_normal(60)), **how)
     assert white.error[0] / white.value[0] == pytest.approx(0.01, rel=0.35)
     red = np.zeros(60)
@@ -387,6 +430,7 @@ def test_errors_are_found_from_the_scatter_and_widened_where_it_is_correlated():
         red[n] = 0.8 * red[n - 1] + 0.006 * random.standard_normal()
     found = asp.infer(t, exact * (1 + red), **how)
     assert found.error[0] / found.value[0] > 1.5 * np.std(found.value / found.predicted(t)[1] - 1)
+    assert found.problem.counted < 20
     assert any("neighbors correlate" in one for one in found.remarks)
 
 
@@ -397,17 +441,18 @@ def test_errors_found_hold_what_they_promise_where_neighbors_correlate(rho):
     exact = asp.relaxation.PronySeries(1.0, ((0.2, 10.0), (0.25, 800.0))).compliance_at(time)
     made = of_name("relaxation", time, exact, priors=None, branches=2, absolute=False)
     problem = Problem(time, exact, exact, made)
-    z, misfit = rivals.best_fit(problem)
-    assert np.abs(misfit).max() < 1e-6
+    _, z = leastsquares.best_fit(problem)
+    assert np.abs(problem.misfit(z[np.newaxis])).max() < 1e-6
     estimate = np.linalg.pinv(problem._slopes(z[np.newaxis], time)[0].T)
     sigma = np.sqrt((estimate**2).sum(1))
     apart = np.abs(np.subtract.outer(np.arange(40), np.arange(40)))
     noise = 0.01 * np.random.default_rng(0).standard_normal((count, 40)) @ np.linalg.cholesky(rho**apart).T
     found = [replace(problem, value=exact * (1 + one)).scatter(z) for one in noise]
     errors, correlations = np.array(found).T * [[student(35) / student(math.inf)], [1.0]]
-    held = np.abs(noise @ estimate.T) < 1.96 * errors[:, np.newaxis] * sigma
+    of_means = errors * np.sqrt((1 + correlations) / (1 - correlations))
+    held = np.abs(noise @ estimate.T) < 1.96 * of_means[:, np.newaxis] * sigma
     assert 0.93 < held.mean() < 0.975
-    assert 1 < np.median(errors) / (0.01 * math.sqrt((1 + rho) / (1 - rho))) < 1.25
+    assert 1 < np.median(of_means) / (0.01 * math.sqrt((1 + rho) / (1 - rho))) < 1.25
     assert np.median(correlations) == pytest.approx(rho, abs=0.15)
 
 
@@ -416,14 +461,15 @@ def test_the_most_relaxation_times_tried_are_remarked_where_more_would_fit_bette
     exact = 1 + (T / 30) ** 0.3 if broad else asp.relaxation.PronySeries(1.0, ((0.3, 50.0),)).compliance_at(T)
     value = noisy(exact, 1e-3)
 
-    def made(name, branches, chosen):
-        return of_name(name, T, value, priors=None, branches=branches, absolute=False)
+    def plan(name, branches):
+        made = of_name(name, T, value, priors=None, branches=branches, absolute=False)
+        words, times = (f"{branches} relaxation times", branches) if name == "relaxation" else (name, 0)
+        return words, times, Problem(T, value, value, made, informed=False)
 
-    data = {"time": T, "value": value, "error": value}
-    tried = rivals.side_by_side("relaxation", range(1, 4), made, data, informed=False)
+    tried = rivals.side_by_side([plan("relaxation", n) for n in (1, 2, 3)], [plan("power", 1)])
     assert (tried[0].times == 3) == broad
     assert ([one.aicc for one in tried if one.name == "power"] == [0.0]) == broad
-    _, remarks = inferring._judged(tried, None, informed=False)
+    _, remarks = concluding._judged(tried, None)
     assert any("AICc still falls at 3" in one for one in remarks) == broad
     assert any(one.startswith("power fits better") for one in remarks) == broad
 
@@ -445,18 +491,94 @@ def test_the_solid_creeps_as_the_curve(model, values, rtol):
     np.testing.assert_allclose(found, curve(model, branches=2, **values), rtol=rtol)
 
 
-@pytest.mark.slow
 def test_a_record_of_holds_gives_b():
     law = asp.friction.RateAndState(a=0.0, b=0.015, D_c=10e-6, mu_0=0.6, V_0=1e-6)
     holds = np.tile(np.geomspace(3, 3e4, 5), 2)  # each twice: as many points
     protocol = asp.friction.slide_hold_slide(holds, velocity=1e-6, distance=200e-6)
     record = asp.friction.synthetic_record(protocol, law, noise=2e-4, seed=1)
     record = replace(record, strength_at_rest=True)
-    found = asp.infer(record, model="healing", error=3e-4, **SMALL)
+    found = asp.infer(record, model="healing", error=3e-4)
     B = found.verdicts["B"]
     assert B.verdict == "determined"
     assert B.low < 0.015 < B.high < 1.2 * B.low
     assert found.verdicts["time"].low < 10 < found.verdicts["time"].high  # D_c/V
+
+
+MEASURED = (
+    Path(os.environ.get("ASPERITY_DATA", Path(__file__).parents[2].parent / "shared/data")) / "indentation"
+)
+measured = pytest.mark.skipif(
+    not MEASURED.is_dir(), reason=f"no records of indenters in {MEASURED}; set ASPERITY_DATA"
+)
+
+
+@measured
+def test_a_force_at_a_held_depth_relaxes_in_two_times():
+    """An oocyte: 1.60 and 8.9 s by a fit with equal weights of rows at equal distances in time."""
+    time, force = np.loadtxt(MEASURED / "afm_oocyte1_relaxation.csv", delimiter=",", skiprows=2).T
+    found = asp.infer(time, force, model="held", branches=2)
+    times = [found.verdicts[f"time_{n}"].value for n in (1, 2)]
+    np.testing.assert_allclose(times, [1.60, 8.9], rtol=0.05)
+    assert 0.33 < 1 - sum(found.verdicts[f"share_{n}"].value for n in (1, 2)) < 0.48
+    assert "AICc still falls" in " ".join(asp.infer(time, force, model="held").remarks)
+    with refuses("force", "308", kind=asp.errors.InputError):
+        asp.infer(time, force[::-1], model="held")
+
+
+@measured
+def test_a_measured_hold_of_a_ball_takes_seconds():
+    time, depth, _, segment = np.loadtxt(MEASURED / "afm_polymergel_hold.csv", delimiter=",", skiprows=2).T
+    time, depth = time[segment == 1] - 3.0, 1e-6 * depth[segment == 1]
+    begun = clock.process_time()
+    found = asp.infer(time, depth, model="ball", quantity="depth", absolute=True)
+    assert clock.process_time() - begun < 10
+    assert found.verdicts["modulus"].verdict == "not identified"
+    assert any("misses the data" in remark for remark in found.remarks)  # steps of the piezo
+
+
+@pytest.mark.slow
+def test_thousands_of_rows_whose_neighbors_correlate_take_seconds():
+    time, series = np.linspace(0.01, 1000, 3000), asp.relaxation.PronySeries(1.0, ((0.3, 5.0), (0.2, 200.0)))
+    random, noise = np.random.default_rng(3), np.zeros(3000)
+    for n in range(1, 3000):
+        noise[n] = 0.6 * noise[n - 1] + 0.8 * random.standard_normal()
+    depth = 1e-6 * series.compliance_at(time) ** (2 / 3) * (1 + 0.002 * noise)
+    begun = clock.process_time()
+    found = asp.infer(time, depth, model="ball", quantity="depth", branches=2, absolute=True)
+    assert clock.process_time() - begun < 30
+    assert found.problem.rho == pytest.approx(0.6, abs=0.05)
+    assert found.problem.counted == pytest.approx(3000 / 4, rel=0.15)
+    for name, truth in {"share_1": 0.3, "time_1": 5.0, "share_2": 0.2, "time_2": 200.0}.items():
+        one = found.verdicts[name]
+        assert (one.verdict, one.low < truth < one.high) == ("determined", True)
+
+
+@pytest.mark.parametrize("rate", [0.0, 1e-10])
+def test_a_drift_is_remarked_as_it_may_be_a_fluid(rate):
+    """Of 0.1 nm/s on 1 um; a curve of creep that slows down has no such remark."""
+    time = np.linspace(0.1, 100, 300)
+    depth = 1e-6 + rate * time if rate else 1e-6 * (1 + (time / 1e3) ** 0.3)
+    how: dict[str, Any] = {"model": "ball", "quantity": "depth", "absolute": True, "branches": 1}
+    found = asp.infer(time, noisy(depth, 1.6e-3), **how)
+    assert any("drift" in remark for remark in found.remarks) == bool(rate)
+
+
+def test_an_inference_of_minutes_says_so(monkeypatch):
+    stages: list[str] = []
+
+    class Listener(asp.progress.Progress):
+        def stage(self, name, times=()):
+            stages.append(name)
+
+    monkeypatch.setattr(concluding, "_OF_PROFILES", 10**8)
+    asp.infer(
+        T,
+        noisy(line(T, 1.2, 0.1)),
+        model=line,
+        priors={"scale": (1, 2), "slope": (0.01, 1)},
+        progress=Listener(),
+    )
+    assert re.fullmatch(r"fitting models side by side, about \d+ min", stages[0])
 
 
 BALL: dict[str, float] = {"load": 1e-7, "radius": 5e-6, "modulus": 3e6, "share_1": 0.4, "time_1": 20.0}
@@ -466,10 +588,15 @@ def held_ball(quantity):
     """Hertz with the creep compliance (Lee and Radok): a^3 = 3 F R J/(4 E*), depth = a^2/R."""
     J = asp.relaxation.PronySeries(1.0, ((0.4, 20.0),)).compliance_at(T)
     cube = 0.75 * BALL["load"] * BALL["radius"] / BALL["modulus"] * J
-    return cube ** (1 / 3) if quantity == "radius" else cube ** (2 / 3) / BALL["radius"]
+    of = {
+        "radius": cube ** (1 / 3),
+        "depth": cube ** (2 / 3) / BALL["radius"],
+        "area": np.pi * cube ** (2 / 3),
+    }
+    return of[quantity]
 
 
-@pytest.mark.parametrize("quantity", ["depth", "radius"])
+@pytest.mark.parametrize("quantity", ["depth", "radius", "area"])
 def test_a_ball_under_a_held_load_follows_a_power_of_the_compliance(quantity):
     made = of_name("ball", T, T, priors=None, branches=1, absolute=True, quantity=quantity)
     found = made.curve(T, {name: np.array([value]) for name, value in BALL.items()})
@@ -477,7 +604,7 @@ def test_a_ball_under_a_held_load_follows_a_power_of_the_compliance(quantity):
 
 
 def test_few_points_of_a_ball_choose_no_model_and_each_model_has_its_name():
-    how: dict[str, Any] = {"model": "ball", "quantity": "depth", **SMALL}
+    how: dict[str, Any] = {"model": "ball", "quantity": "depth"}
     found = asp.infer([0.1, 1.0, 10.0, 100.0, 1000.0], [1.0, 1.1, 1.21, 1.35, 1.5], **how)
     assert set(found.models["model"]) == {"1 relaxation time", "power", "logarithm"}
     assert found.models["AICc"].isna().all()
@@ -486,15 +613,14 @@ def test_few_points_of_a_ball_choose_no_model_and_each_model_has_its_name():
         assert not re.search(r"\b(nan|inf)\b", words)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("quantity", ["depth", "radius"])
+@pytest.mark.parametrize("quantity", ["depth", "radius", "area"])
 def test_a_ball_under_a_held_load_gives_the_modulus_and_the_relaxation(quantity):
     exact = held_ball(quantity)
     priors: dict[str, Any] = {
         "load": {"kind": "normal", "mean": "100 nN", "deviation": "0.5 nN"},
         "radius": {"kind": "log_normal", "median": "5 um", "factor": 1.01},
     }
-    how: dict[str, Any] = {"model": "ball", "quantity": quantity, "absolute": True, "priors": priors, **SMALL}
+    how: dict[str, Any] = {"model": "ball", "quantity": quantity, "absolute": True, "priors": priors}
     found = asp.infer(T, noisy(exact, seed=2), 0.01 * exact, branches=1, **how)
     for name in ("modulus", "share_1", "time_1"):
         one = found.verdicts[name]
@@ -538,7 +664,12 @@ def test_a_ball_under_a_held_load_gives_the_modulus_and_the_relaxation(quantity)
         ({"model": line, "priors": {"scale": (1, 2)}}, "priors", "'slope'"),
         ({"model": line, "priors": LINE, "absolute": True}, "absolute", ""),
         (
-            {"model": lambda time, a: a * np.ones_like(time), "priors": {"a": (1, 2)}, "workers": 2},
+            {
+                "model": lambda time, a: a * np.ones_like(time),
+                "priors": {"a": (1, 2)},
+                "sample": True,
+                "workers": 2,
+            },
             "model",
             "the function <lambda>",
         ),
@@ -560,9 +691,9 @@ def test_mistakes_are_told_in_a_line(given, name, got):
 @pytest.mark.slow
 def test_priors_that_exclude_the_data_are_refused_and_ensembles_that_disagree_too(monkeypatch, tmp_path):
     value, error = two_times(3.0)
-    with refuses("priors", "16.2"):
+    with refuses("priors", "16."):
         asp.infer(T, value, error, priors={"time_1": (1e-1, 1.0)}, branches=1)
-    with refuses("priors", "3.89"):
+    with refuses("priors", "3.51"):
         asp.infer(T, value, priors={"time_1": (1e-1, 1.0)}, branches=1)
     made = of_name("relaxation", T, value, priors=None, branches=2, absolute=False)
     monkeypatch.setattr(sampling, "_MOST_ROUNDS", 6)
@@ -584,7 +715,6 @@ def test_priors_are_what_they_say():
         assert Prior.of("x", one.table, one.unit) == one
 
 
-@pytest.mark.slow
 def test_a_soft_cell_has_the_modulus_of_hertz_and_a_prior_that_excludes_it_is_named():
     time, load, radius, modulus = np.geomspace(0.1, 1e4, 15), 1e-9, 5e-6, 300.0
     compliance = (1.4 - 0.4 * np.exp(-time / 100)) / modulus  # one branch
@@ -592,7 +722,7 @@ def test_a_soft_cell_has_the_modulus_of_hertz_and_a_prior_that_excludes_it_is_na
     table = {"load": ("0.99 nN", "1.01 nN"), "radius": ("4.95 um", "5.05 um")}
     how: dict[str, Any] = {"branches": 1, "absolute": True, "quantity": "depth"}
     made = of_name("ball", time, depth, priors=table, **how)
-    at, _ = rivals.best_fit(Problem(time, depth, 0.01 * depth, made))
+    _, at = leastsquares.best_fit(Problem(time, depth, 0.01 * depth, made))
     assert made.priors["modulus"].at(at[[*made.priors].index("modulus")]) == pytest.approx(
         modulus, rel=0.015
     )  # ranges of load and radius

@@ -1,6 +1,8 @@
 """Contacts that age without adhesion and are pulled apart at once; beside closed forms."""
 
 import math
+import re
+import warnings
 from typing import Any
 
 import numpy as np
@@ -280,9 +282,23 @@ def test_what_cannot_be_pulled():
 def test_few_pixels_and_little_load_are_remarked():
     heights, work, _ = ball(3)
     contact = asp.press(surface(heights), HALF_SPACE, load=4 / 3 * 3.5**3 / 30)
-    with pytest.warns(Remark, match="about .. %") as found:
+    with pytest.warns(Remark, match="by up to .. %") as found:
         contact.pull_off(work)
     assert any("less than 10 times" in str(one.message) for one in found)
+
+
+@pytest.mark.filterwarnings("default::asperity.errors.Remark")
+@pytest.mark.parametrize(("radius", "wide"), [(4, 1.0), (6, 1.05), (8, 1.0), (8, 1.1), (8, 1.5)])
+def test_the_error_of_a_ball_is_at_most_that_of_the_remark(radius, wide):
+    """Beside 1.5 pi w R; from hardly wider than at the pull-off, to half as wide again."""
+    for off in ((0.0, 0.0), (0.23, 0.41)):
+        heights, work, expected = ball(radius, off, sites=1.25 * max(1.0, wide / 1.2))
+        contact = asp.press(surface(heights), HALF_SPACE, load=4 / 3 * (wide * radius) ** 3 / (10 * radius))
+        with warnings.catch_warnings(record=True) as found:
+            warnings.simplefilter("always")
+            error = contact.pull_off(work).force / expected - 1
+        (said, *_) = [*re.findall(r"up to (\d+) %", " ".join(str(one.message) for one in found)), "5"]
+        assert 0 < error < int(said) / 100
 
 
 def test_a_history_records_it_and_the_figure_shows_it():

@@ -10,7 +10,9 @@ from scipy.special import ive, kve
 
 import asperity as asp
 from asperity.relaxation import Material, PronySeries, wlf
+from asperity.sliding.bands import draws_of_solid
 from asperity.sliding.problem import Sliding
+from asperity.sliding.profile import Profile
 from asperity.sliding.solver import solved
 from asperity.surfaces import Surface
 from tests.refusals import refuses
@@ -27,7 +29,7 @@ AREA = ROUGH.heights.size * math.prod(SPACING)
 
 def states(solid, surface, load, speeds, direction="x"):
     """The states themselves, each started from the one before, and the profile."""
-    profile = asp.sliding.answer.Profile.of(asp.contact.bodies.bodies_of(surface, solid), direction, load)
+    profile = Profile.of(asp.contact.bodies.bodies_of(surface, solid), direction, load)
     found: list[Any] = []
     for speed in speeds:
         found.append(solved(profile.at(speed), found[-1] if found else None))
@@ -359,24 +361,46 @@ def test_a_cylinder_is_that_of_hunter(speed):
 def test_a_slide_that_is_marched_in_time_comes_to_the_same_friction():
     sites, length = 32, 32e-6
     right = asp.steady_sliding(surface=wave(sites), pressure="10 kPa", **WAVE)
-    q = 2 * np.pi * np.fft.fftfreq(sites, length / sites) * (np.arange(sites) != sites // 2)
-    off = []
+    right = right["hysteresis_friction_coefficient"].item()
+    off, work = [], []
     for substeps in (1, 4):
-        rows: list[tuple[float, float]] = []
-
-        def reached(frame, rows=rows):
-            slope = np.fft.ifft(1j * q * np.fft.fft(frame.contact.heights)).real
-            rows.append((frame.time, -float((frame.contact.pressure * slope).mean())))
-
         leg = asp.protocols.Slide(3 * length, 1e-5, substeps=substeps)
         start = asp.press(wave(sites), WAVE["solid"], pressure="10 kPa")
-        asp.age(start, [0.0], protocol=leg, progress=reached)
-        when, friction = np.array(rows).T
-        last = when > 2 * length / 1e-5
-        mean = np.trapezoid(friction[last], when[last]) / np.ptp(when[last])
-        off.append(mean / 1e4 / right["hysteresis_friction_coefficient"].item() - 1)
+        data = asp.age(start, [0.0], protocol=leg).dataset
+        spent = shifted_by(data)[0][-sites * substeps :].sum()
+        work.append(spent / length / data["load"].values[0] / right - 1)
+        data = data.isel(time=data["displacement"].values > 2 * length)
+        friction, time = data["hysteresis_friction_coefficient"].values, data["time"].values
+        off.append(np.trapezoid(friction, time) / np.ptp(time) / right - 1)
     assert abs(off[0]) < 0.012
     assert abs(off[1]) < 0.001
+    assert np.abs(work).max() < 0.003
+
+
+def shifted_by(data):
+    """Work of each shift, beside that of the load; and mean friction times length."""
+    way, friction, energy, load, approach = (
+        data[name].values for name in ("displacement", "hysteresis_friction", "energy", "load", "approach")
+    )
+    after = np.flatnonzero(np.diff(way, prepend=way[0]) > 0)
+    before = after - 1
+    work = energy[after] - energy[before] - load[after] * (approach[after] - approach[before])
+    return work, (friction[after] + friction[before]) / 2 * (way[after] - way[before])
+
+
+@pytest.mark.parametrize("direction", ["x", "-y"])
+@pytest.mark.parametrize(
+    ("solid", "load", "error"), [(SOFT, 300.0, (np.pi / 32) ** 2 / 12), (LATTICE, 40.0, 0.01)]
+)
+def test_the_energy_that_a_shift_adds_is_friction_times_its_length(solid, load, error, direction):
+    heights = asp.surfaces.spectral((24, 24), roll_off=24.0, cutoff=8.0, rms_slope=0.2, seed=1)
+    surface = Surface(heights, pixel_size=SPACING) if solid is SOFT else heights
+    leg = asp.protocols.Slide(4.0, 0.1, direction, substeps=8)
+    data = asp.age(asp.press(surface, solid, load=load), [0.0], protocol=leg).dataset
+    work, friction = shifted_by(data)
+    assert work.sum() > 0
+    np.testing.assert_allclose(work[8:], friction[8:], rtol=error)
+    assert (data["contact_fraction"].values == 1).all() == (solid is SOFT)
 
 
 def test_the_mirrored_surface_slides_as_the_other_direction():
@@ -416,6 +440,8 @@ def test_reflecting_edges_are_mirror_images_and_a_line_is_a_surface_of_ridges():
     edges = Surface(ROUGH.heights, pixel_size=SPACING, edges="reflecting")
     part = asp.steady_sliding(SOFT, edges, load=0.05 * AREA, **how)
     for name in part.data_vars:
+        if str(name).endswith(("_low", "_high")):  # of the tiles of the scan
+            continue
         copies = 4 if "area" in str(name) else 1
         expected = whole[name][..., :12, :16] if name == "pressure" else whole[name] / copies
         np.testing.assert_allclose(part[name], expected, rtol=1e-7, atol=1e-9)
@@ -452,6 +478,19 @@ def test_the_last_octave_is_remarked():
     assert 0 <= share.item() < 0.05
 
 
+def test_in_full_contact_the_last_octave_is_the_share_of_its_waves():
+    speeds = [0.01, 0.1, 1.0]
+    answer = asp.steady_sliding(SOFT, ROUGH, speeds=speeds, pressure=30.0)
+    assert (answer["contact_fraction"] == 1).all()
+    qy, qx = waves(ROUGH.heights.shape, SPACING)
+    nyquist = np.isclose(np.abs(qx), np.abs(qx).max())
+    q, power = np.hypot(qy, qx), np.abs(np.fft.fft2(ROUGH.heights)) ** 2
+    short = 2 * np.pi / np.where(q > 0, q, 1.0) < 4 * max(SPACING) * (1 - 1e-9)
+    for speed, share in zip(speeds, answer["last_octave"].values, strict=True):
+        parts = np.where(nyquist, 0.0, q * qx * relaxation(speed * qx, BRANCHES).imag * power)
+        assert share == pytest.approx(parts[short].sum() / parts.sum(), rel=1e-9)
+
+
 def test_an_elastic_solid_has_no_friction():
     answer = asp.steady_sliding(asp.solids.half_space(modulus=2.0), ROUGH, speeds=1.0, pressure=0.05)
     assert answer["hysteresis_friction_coefficient"].item() == 0
@@ -478,16 +517,16 @@ FLUID = asp.solids.half_space(modulus=2.0, branches=[(0.5, 1.0), (0.5, 2.0)])
         ({"shear_strength": -1.0}, "shear_strength", "-1.0"),
         ({"solid": FLUID}, "solid", "one that flows without end: the load sinks in at every speed"),
         ({"solid": FLUID, "direction": (1, 1)}, "solid", "one that flows without end"),
-        ({"solid": SOFT.with_hardness(1.0)}, "solid", "one with hardness"),
+        ({"solid": SOFT.with_hardness(1.0)}, "hardness", "1"),
         (
             {"solid": asp.solids.half_space(modulus=2.0, adhesion=asp.solids.Dugdale(1.0, 0.1))},
-            "solid",
-            "one with adhesion",
+            "adhesion",
+            "Dugdale",
         ),
         (
             {"solid": asp.solids.half_space(modulus=2.0, creep=asp.solids.Eyring(1.0, 1.0))},
-            "solid",
-            "one with creep",
+            "creep",
+            "Eyring",
         ),
         ({"surface": Surface(ROUGH.heights, pixel_size=PIXEL, edges="free")}, "edges", "'free'"),
         ({"solid": TABLE, "speeds": 1e-5}, "speeds", "10 um/s"),
@@ -505,3 +544,43 @@ def test_bad_input_is_refused(change, name, got):
 def test_a_line_of_a_fluid_keeps_its_shape():
     answer = asp.steady_sliding(FLUID, LINE, speeds=[0.01, 0.1, 1.0], pressure=0.05)
     assert (np.diff(answer["contact_fraction"]) < 0).all()
+
+
+@pytest.mark.parametrize("edges", ["periodic", "reflecting"])
+def test_friction_of_tiles_adds_up(edges):
+    surface = Surface(ROUGH.heights, pixel_size=SPACING, edges=edges)
+    found, profile = states(SOFT, surface, 0.05 * AREA, [0.01, 1.0])
+    for state in found:
+        sums = {name: part.sum() for name, part in profile.tiles(state).items()}
+        assert sums["friction"] == pytest.approx(state.friction, rel=1e-9)
+        assert sums["load"] == pytest.approx(state.problem.load)
+        assert sums["area"] == np.count_nonzero(state.in_contact)
+        assert sums["sites"] == state.in_contact.size
+
+
+def test_few_draws_of_the_solid_tell_what_all_give():
+    random = np.random.default_rng(0)
+    draws = [
+        [(g * (1 + 0.01 * random.normal()), t * math.exp(0.1 * random.normal())) for g, t in BRANCHES]
+        for _ in range(20)
+    ]
+    solid = asp.solids.half_space(modulus="2 Pa", branches=BRANCHES)
+    meters, speeds = Surface(ROUGH.heights, "m", SPACING, "m"), np.geomspace(1e-3, 1e2, 6)
+    computed, friction = [], "hysteresis_friction_coefficient"
+
+    def curves(solid, stage=""):
+        computed.append(stage)
+        found = asp.steady_sliding(solid, meters, speeds=speeds, pressure=0.05)
+        return {name: found[name].values for name in (friction, "contact_area")}
+
+    middle, material = curves(solid), asp.relaxation.material(solid, draws=draws)
+    waves = 2 * np.pi / 8, 2 * np.pi
+    frequencies = waves[0] * speeds[0], waves[1] * speeds[-1]
+    factors = draws_of_solid(material, middle, frequencies, curves)
+    assert 2 <= len(computed) <= 7
+    of_all = [curves(asp.solids.half_space(modulus="2 Pa", branches=each))[friction] for each in draws]
+    right, found = np.log(of_all) - np.log(middle[friction]), np.log(factors[friction])
+    # Contacts change by whole sites, of which the least has 42.
+    missed = np.sqrt(np.mean((found - right) ** 2, axis=0))
+    assert (missed < 0.25 * right.std(axis=0) + 0.25 / 42).all()
+    np.testing.assert_allclose(found.std(axis=0), right.std(axis=0), rtol=0.15)

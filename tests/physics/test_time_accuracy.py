@@ -1,8 +1,11 @@
 """Order of convergence, the meaning of rtol, and the accuracy of contact counts."""
 
+import math
+
 import numpy as np
 import pytest
 
+import asperity as asp
 from asperity import press
 from asperity.aging import creep
 from asperity.aging.field_steps import FieldSteps
@@ -131,3 +134,17 @@ def test_contact_counts_at_a_tenth_of_the_tolerance(rough, k1, p):
     usual = np.array([frame.contact.area for frame in creep(contact, times)])
     strict = np.array([frame.contact.area for frame in creep(contact, times, rtol=DEFAULT_RTOL / 10)])
     assert np.abs(usual / strict - 1).max() <= 0.003  # as docs/accuracy.md has it
+
+
+@pytest.mark.parametrize("speed", [1e-2, 1e2])
+def test_slides_keep_rtol_though_errors_of_steps_fade(speed):
+    rough = asp.surfaces.spectral((24, 24), roll_off=12.0, cutoff=4.0, rms_slope=0.2, seed=1)
+    branches = [(0.3, 1e-3), (0.3, 1e-1), (0.3, 10.0)]
+    solid = asp.solids.half_space(modulus=1.0, branches=branches)
+    contact = asp.press(rough, solid, load=2.0)
+    ends = [
+        asp.age(contact, [0.0], protocol=asp.protocols.Slide(3.0, speed), rtol=rtol) for rtol in (2e-3, 1e-4)
+    ]
+    found, right = (end.final.u0 for end in ends)
+    deformation = ends[1].final.u.std()
+    assert math.sqrt(np.mean((found - right) ** 2)) < 0.5 * 2e-3 * deformation

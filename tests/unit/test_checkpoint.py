@@ -15,7 +15,8 @@ from asperity.aging.frames import Midway
 from asperity.contact import ActiveSet, Multigrid
 from asperity.errors import CheckpointError, OutputError
 from asperity.inference.models import of_name
-from asperity.inference.sampling import Problem, sample
+from asperity.inference.problem import Problem
+from asperity.inference.sampling import sample
 from asperity.results import Checkpoint
 from tests.refusals import refuses
 from tests.surfaces import uncorrelated
@@ -96,6 +97,9 @@ RUNS: dict[str, tuple[dict[str, Any], Sequence[float]]] = {
 for of, solver in (("springs", None), ("fields", ActiveSet())):
     for name, protocol, times in (("legs", LEGS, IN_LEGS), ("shifts", SLIDES, BETWEEN_SHIFTS)):
         RUNS[f"{name}, {of}"] = run_of(HEAVY, times, protocol, fields_at=times, solver=solver), times
+AGES = asp.Carried(strength=asp.friction.ShearStrength(0.5, growth=0.1, after=0.1, renewal=2.0))
+for name, protocol, times in (("legs", LEGS, IN_LEGS), ("shifts", SLIDES, BETWEEN_SHIFTS)):
+    RUNS[f"{name}, ages"] = run_of(HEAVY, times, protocol, fields_at=times, carried=AGES), times
 for name, solid in SOLIDS.items():
     RUNS[name] = run_of(asp.press(SMALL, solid, load=8.0), [0.5, 2.0, 6.0, 6.5], EASED), [0.5, 2.0, 6.5]
 
@@ -125,7 +129,7 @@ def test_stopped_and_resumed(tmp_path, name):
 
 def test_whole_fields_take_over_where_cycles_get_nowhere_and_frames_say_so():
     moments: list[Midway] = []
-    frames = list(creep(**LEFT_TO_FIELDS, after_step=lambda midway: moments.append(midway())))
+    frames = list(creep(**LEFT_TO_FIELDS, after_step=lambda midway, *_: moments.append(midway())))
     assert {moment.kind for moment in moments} == {"fields"}
     assert [frame.solved_by for frame in frames] == ["", *len(TIMES) * ["fields"]]
 

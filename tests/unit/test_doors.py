@@ -97,7 +97,10 @@ ALL: dict[str, list[dict[str, Any]]] = {
         {"first": 0.5, "last": 50.0, "per_decade": 3, "hold": "load", "rtol": 1e-3},
         {"times": [0.0, 0.5, 50.0]},
     ],
-    "friction": [{"shear_strength": 1e7, "rate_coefficient": 0.01, "reference_velocity": 1e-6}],
+    "friction": [
+        {"shear_strength": 1e7, "rate_coefficient": 0.01, "reference_velocity": 1e-6}
+        | {"growth": 0.02, "after": 0.1, "renewal": 2e-6}
+    ],
     "carried": [
         {"stiffness": True, "resistivity": [1e-8, 2e-8], "conductivity": [0.5], "work_of_adhesion": 0.05}
         | {"shear": 0.5, "friction_coefficient": 0.25, "shear_direction": "y"}

@@ -3,8 +3,10 @@
 import os
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.integrate import odeint
 from scipy.signal import lfilter
@@ -16,7 +18,7 @@ from asperity.friction.loading import Drive, drive_of
 from asperity.friction.pulling import refuse_oscillation, stiffness_of
 from asperity.friction.slider import Shape, follow
 from tests import CASES
-from tests.refusals import each_refuses
+from tests.refusals import each_refuses, refuses
 
 F = asp.friction
 UM = 1e-6
@@ -259,6 +261,38 @@ def test_records_of_another_laboratory(name, a, a_minus_b):
     assert fit.a_minus_b == pytest.approx(a_minus_b, abs=0.0015)
 
 
+@P655
+def test_events_are_drawn_as_published_fits_are():
+    """Twelve steps of p4309 (Leeman et al., 2016): D_c falls from 27 to 5 um, and a - b changes its sign."""
+    known = pd.read_csv(RAW / "leeman_p4309_slip_law_fits.csv", comment="#")
+    table = {"displacement": known["row"]}
+    for name, error in (("a", "a_error"), ("b", "b_error"), ("D_c", "D_c_error_um"), ("a_minus_b", None)):
+        value = known[name + "_um" * (name == "D_c")]
+        spread = np.hypot(known["a_error"], known["b_error"]) if error is None else known[error]
+        table |= {name: value, f"{name}_low": value - 1.96 * spread, f"{name}_high": value + 1.96 * spread}
+    ours = F.events_table(F.fit_events(GOOD, law="aging"), GOOD)
+    assert {str(name).removesuffix("_m") for name in ours} > set(table)
+    above, middle, below = F.events_figure(pd.DataFrame(table)).axes
+    of_D_c = np.array(below.lines[0].get_ydata())
+    assert of_D_c[[0, -1]] == pytest.approx([27, 5], abs=0.3)
+    assert middle.get_ylim()[0] < 0 < middle.get_ylim()[1]
+    assert [label.get_text() for label in above.get_legend().get_texts()] == ["$a$", "$b$"]
+
+
+def test_a_table_that_is_none_of_events_is_refused():
+    with refuses("table", "none of D_c"):
+        F.events_figure(pd.DataFrame({"displacement": [1.0]}))
+
+
+def test_no_law_is_preferred_that_does_not_describe_the_record():
+    """With a third of the stiffness both laws miss the noise."""
+    record = F.Record.of_machine(TIME, FRICTION + 2e-4 * np.sin(TIME**2), load_point=PLACE)
+    laws = F.compare_state_laws(record, stiffness="0.003 / um")
+    assert laws.verdict == "undecided"
+    assert laws.doubt.startswith("neither law")
+    assert any(laws.doubt in str(row.value) for row in laws.rows())
+
+
 # -- Stick-slip ----------------------------------------------------------------------------------------------
 
 
@@ -270,7 +304,7 @@ def oscillates(time, place, friction):
     record = F.Record.of_machine(time, friction, load_point=place, units=("s", "um"))
     assert record.drive is not None
     try:
-        refuse_oscillation(record, record.drive)
+        refuse_oscillation(record, record.drive, record.drive.edges(time))
     except InputError as error:
         return str(error)
     return ""
@@ -302,6 +336,58 @@ def test_a_slider_that_sticks_and_slips_is_refused_with_its_period():
         spectrum = np.abs(np.fft.rfft((friction - friction.mean())[late]))
         period = late.sum() / np.argmax(spectrum)
         assert float(text.split("with a period of ")[1].split(" s,")[0]) == pytest.approx(period, rel=0.2)
+
+
+def sticking(seed: int) -> Any:
+    """A step of the velocity of a slider at random below (b - a)/D_c, with two cycles or more."""
+    rng = np.random.default_rng(seed)
+    a, fall, D_c, part = (
+        10 ** rng.uniform(*ends) for ends in ((-2.3, -1.8), (-2.7, -2), (0.3, 1.5), (-0.7, -0.07))
+    )
+    law, first = LAWS[seed % 2], 10 ** rng.uniform(-0.5, 0.7)
+    speeds = [first, first * 10 ** (rng.choice([-1, 1]) * rng.uniform(0.3, 1.0))]
+    k, damping = part * fall / D_c, fall / first / 10 ** rng.uniform(2.5, 4.0)
+    slides = rng.uniform(8, 25, 2) * 4 * fall / k
+
+    def rate(y, _, pulled):
+        v = np.exp(y[0])
+        grown = np.exp(-y[1]) - v / D_c if law == "aging" else -v / D_c * (y[0] + y[1] - np.log(D_c))
+        return [(k * (pulled - v) - (a + fall) * grown) / (a + damping * v), grown]
+
+    step = sum(slides / speeds) / rng.uniform(600, 3000)
+    y, states = np.array([np.log(first) + 0.3, np.log(D_c / first)]), list[np.ndarray]()
+    for speed, slide in zip([first, *speeds], [2 * slides[0], *slides], strict=True):
+        course = odeint(
+            rate, y, np.arange(0, slide / speed, step), (speed,), rtol=1e-8, atol=1e-8, mxstep=200000
+        )
+        states, y = [*states, course[:-1]], course[-1]
+    mu = np.concatenate(states[1:]) @ [a, a + fall]
+    lasts = [len(state) * step for state in states[1:]]
+    time = step * np.arange(mu.size)
+    place = np.interp(time, [0, lasts[0], sum(lasts)], np.append(0, np.cumsum(np.multiply(speeds, lasts))))
+    place = place + 0.03 * D_c * rng.standard_normal(mu.size)
+    return time, UM * place, 0.6 + mu - mu.mean() + 3e-4 * correlated(rng, mu.size), law
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(20))
+def test_no_law_is_fitted_to_stick_slip(seed):
+    time, place, friction, law = sticking(seed)
+    record = F.Record.of_machine(time, friction, load_point=place, units=("s", "um"))
+    with pytest.raises(InputError, match="stable sliding"):
+        F.rate_and_state(record, law=law)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(10))
+def test_a_step_without_change_of_steady_friction_is_fitted(seed):
+    shape = TRUTH._replace(b=TRUTH.a + 2e-4 * (seed % 5 - 2))
+    time, place, _, friction = exact([1.0, 10.0], [100.0, 20.0], law=LAWS[seed % 2], shape=shape)
+    friction = friction + 5e-4 * correlated(np.random.default_rng(seed), time.size)
+    record = F.Record.of_machine(time, friction, load_point=place, units=("s", "um"))
+    law: Any = LAWS[seed % 2]
+    fit = F.rate_and_state(record, law=law)
+    assert abs(fit.a_minus_b + shape.b - shape.a) < 4 * fit.a_minus_b_stderr
 
 
 # -- Bad input -----------------------------------------------------------------------------------------------

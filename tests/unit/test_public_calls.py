@@ -223,8 +223,8 @@ WITHOUT_NUMBERS = {
     ),
     "fits": "jackknife read_measurements",
     "inference": "infer inference_page inference_pictures",
-    "friction": "add_friction events_of fit_events hold_peaks rate_and_state_figure read_record record_of "
-    "save_parameters",
+    "friction": "add_friction events_figure events_of events_table fit_events hold_peaks read_record "
+    "record_of rate_and_state_figure save_parameters",
     "prediction": "predict",
     "relaxation": "combined read",
     "results": "load load_contact read_table save whole_file whole_folder",

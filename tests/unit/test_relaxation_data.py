@@ -415,6 +415,20 @@ def test_a_force_at_a_held_depth_is_a_relaxation_up_to_a_factor(header, values, 
         assert made.fit.data.columns[1][0][0] == pytest.approx(made.fit.series.modulus_at(TIMES[:1])[0])
 
 
+def test_a_force_of_a_ball_is_a_modulus_by_its_radius_and_depth(tmp_path):
+    """Hertz: F = 4/3 E* sqrt(R d^3), with the contact modulus of the series at each time."""
+    series = PronySeries(1e6, ((0.6, 3.0),))
+    force = 4 / 3 * series.modulus_at(TIMES) * np.sqrt(5e-6 * (1e-6) ** 3)
+    path = table_of(tmp_path, "time_s,force_nN", 1e9 * force)
+    made = material(path, ball_radius="5 um", ball_depth="1 um", branches=1)
+    assert made.solid.modulus == pytest.approx(1e6)
+    np.testing.assert_allclose(made.solid.relaxing, [(0.6, 3.0)], rtol=1e-3)
+    with refuses("ball_depth", "none"):
+        material(path, ball_radius="5 um")
+    with refuses("ball_radius", "5 um"):
+        material(table_of(tmp_path, "time_s,E_MPa", force / force[0]), ball_radius="5 um", ball_depth="1 um")
+
+
 def test_a_strain_is_a_creep_by_its_stress(tmp_path):
     series = PronySeries(5e6, ((0.6, 3.0),))
     compliance = series.compliance_at(TIMES)

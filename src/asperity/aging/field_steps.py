@@ -43,7 +43,7 @@ class FieldSteps(TrBdf2):
     that were tried.
     """
 
-    kind, through = "fields", 2
+    kind, through, fades = "fields", 2, True
     implicit: ImplicitStep
 
     def __init__(self, system: System, solver: ContactSolver, arrays: Arrays) -> None:
@@ -153,6 +153,8 @@ class FieldSteps(TrBdf2):
     def filtered_error(self, shares: Sequence[float]) -> float:
         """See `TrBdf2` and the module."""
         step, system = self.implicit, self.system
+        if self.left > step.tau:  # one implicit step fades them by less than they fade
+            step = system.mechanics.implicit_step(self.left)
         error = self._combined(0.0, (0.0, 0.0, 0.0), shares)
         u, stiffness = np.einsum("b...,b...->...", step.damped_stiffness, error), step.stiffness
         if system.load is not None:  # the load decides the mean
@@ -170,5 +172,5 @@ class FieldSteps(TrBdf2):
         """See `TrBdf2`."""
         self.earlier = [self.point.u, *self.earlier][: self.through - 1]
         self.point = self.tried[-1]
-        self.tried = [self.point]
+        self.u, self.tried = self.point.u, [self.point]
         self.system = self.system.lowered(self.point.u)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 from numpy.typing import NDArray
 
+from asperity.aging.ages import Ages
 from asperity.aging.constant_area import ConstantArea
 from asperity.aging.controller import Controller
 from asperity.aging.separable import SeparableSteps
@@ -16,6 +19,7 @@ from asperity.aging.tr_bdf2 import Origin, State, Steps
 from asperity.contact.contact import Contact
 from asperity.contact.problem import Solution
 from asperity.contact.publish import contact_from
+from asperity.contact.waves import friction_of_slopes, slope_of, unit_vector, waves_along
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,12 +46,16 @@ class Frame:
         Length that the rough surface has slid since the start, and how fast it slides in this leg.
     shift
         Sites along each axis by which it has moved since the start.
+    way
+        Sites along each axis of the last shift, or of the first one to come; none if it never slides.
     at_a_shift
         Whether it is to be recorded as the state just before or just after a shift.
     passing
         Whether more shifts follow at the same time.
     parted
         Whether the bodies part just after it, for adhesion bears no more, and the history ends.
+    ages
+        Ages of the sites in contact, for a shear strength that grows with them; they age on after it.
     """
 
     time: float
@@ -61,9 +69,23 @@ class Frame:
     displacement: float = 0.0
     velocity: float = 0.0
     shift: tuple[Fraction, ...] = ()
+    way: tuple[Fraction, ...] = ()
     at_a_shift: bool = False
     passing: bool = False
     parted: bool = False
+    ages: Ages | None = None
+
+    @cached_property
+    def hysteresis_friction(self) -> float:
+        """Force of the slopes of the rough surface against its motion, or against that to come."""
+        contact = self.contact
+        slope = slope_of(waves_along(contact.lattice, unit_vector(contact.lattice, self.way)))
+        return friction_of_slopes(contact.lattice, slope, contact.heights, contact.u, contact.force)
+
+    @property
+    def hysteresis_friction_coefficient(self) -> float:
+        """The same over the load; not a number without load."""
+        return self.hysteresis_friction / (self.contact.load or math.nan)
 
     @property
     def exact(self) -> bool:

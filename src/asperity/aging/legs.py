@@ -16,8 +16,10 @@ from typing import Any
 import numpy as np
 import scipy
 
+from asperity.aging.ages import Ages
 from asperity.aging.frames import Frame, Midway
 from asperity.aging.march import creep
+from asperity.aging.tr_bdf2 import Steps
 from asperity.base import checks
 from asperity.contact.contact import Contact, control_of
 from asperity.contact.controls import Control, Course, Load, Separation
@@ -59,7 +61,8 @@ def check_slides(legs: Iterable[Leg], lattice: Lattice, solid: Solid) -> None:
 def _moved(place: Frame, shifts: Shifts, count: int) -> Frame:
     """Where a number of shifts leads from a place."""
     shift = tuple(old + count * new for old, new in zip(place.shift, shifts.sites, strict=True))
-    return replace(place, displacement=place.displacement + count * shifts.length, shift=shift)
+    moved = place.displacement + count * shifts.length
+    return replace(place, displacement=moved, shift=shift, way=shifts.sites)
 
 
 def follow(
@@ -72,15 +75,17 @@ def follow(
     exact: bool = True,
     resume: LegMidway | None = None,
     after_step: Callable[[Callable[[], LegMidway]], None] | None = None,
+    ages: Ages | None = None,
 ) -> Iterator[Frame]:
     """Yield a frame at time 0, at each of the times, at the end of each leg and at shifts.
 
     At a step and at a shift there are two, before and after. Times are > 0, strictly increasing, and none is
     after the end of the last leg; ``rtol``, ``solver`` and ``exact`` are those of `asperity.age`. ``resume``
-    is where to go on, and ``after_step`` is called after each step with what makes that. Where the bodies
-    part, the last state in contact comes again, and ends the history.
+    is where to go on, and ``after_step`` is called after each step with what makes that. Frames have the
+    ``ages``, which begin as those of the start. Where the bodies part, the last state in contact comes again,
+    and ends the history.
     """
-    way = _Way(contact, times, rtol, solver, exact, after_step)
+    way = _Way(contact, times, rtol, solver, exact, after_step, ages)
     try:
         yield from _through(way, schedule, resume)
     except PulledOff:
@@ -89,12 +94,15 @@ def follow(
 
 def _through(way: _Way, schedule: Schedule, resume: LegMidway | None) -> Iterator[Frame]:
     """Yield the frames of all legs; see `follow`."""
+    lattice = way.contact.lattice
+    first = next((shifts.sites for leg in schedule.legs if (shifts := leg.shifts(lattice))), ())
+    way.now = replace(way.now, way=first)
     if resume is None:
         yield way.now
     for number, leg in enumerate(schedule.legs):
         span = schedule.switches[number], schedule.switches[number + 1]
         resumed = resume if resume is not None and number == resume.leg else None
-        shifts = leg.shifts(way.contact.lattice)
+        shifts = leg.shifts(lattice)
         if resume is not None and number < resume.leg:
             if shifts is not None:
                 way.now = _moved(way.now, shifts, shifts.count)
@@ -119,10 +127,11 @@ class _Way:
     solver: ContactSolver | None
     exact: bool
     after_step: Callable[[Callable[[], LegMidway]], None] | None
+    ages: Ages | None
 
     def __post_init__(self) -> None:
         start, at_rest = self.contact, (Fraction(0),) * self.contact.lattice.dimension
-        self.now = Frame(0.0, start, 0.0, 0, 0, start.iterations, shift=at_rest)
+        self.now = Frame(0.0, start, 0.0, 0, 0, start.iterations, shift=at_rest, ages=self.ages)
 
     def resume(self) -> None:
         """Set a contact above the shifted heights; any will do to resume from."""
@@ -136,10 +145,13 @@ class _Way:
             heights, way = contact.heights, by
         return slid(contact, contact.lattice.shifted(heights, way), by, self.solver)
 
-    def at_once(self, contact: Contact, place: Frame) -> Frame:
-        """The frame of a contact that was pressed instantly, at a place."""
+    def at_once(self, contact: Contact, place: Frame, slip: float = 0.0) -> Frame:
+        """The frame of a contact that was pressed instantly, at a place, to which it slipped in no time."""
         approach = self.now.approach + self.now.contact.separation - contact.separation
         spent: dict[str, Any] = {"steps": 0, "rejected": 0, "iterations": contact.iterations, "solved_by": ""}
+        if self.ages is not None:
+            self.ages.slip(self.now.shift, place.shift, slip)
+            self.ages.touch(contact.in_contact)
         self.now = replace(place, contact=contact, approach=approach, **spent)
         return self.now
 
@@ -155,7 +167,8 @@ class _Way:
             if resume is None:
                 recorded = n % leg.every == 0 or (last and lasting == 0)
                 place = replace(moved, time=since, at_a_shift=recorded, passing=lasting == 0 and not last)
-                yield self.at_once(self.shifted(moved.shift, shifts.sites), place)
+                slip = 0.0 if lasting else shifts.length
+                yield self.at_once(self.shifted(moved.shift, shifts.sites), place, slip)
             else:
                 self.now = moved
                 self.resume()
@@ -175,6 +188,8 @@ class _Way:
         if resume is not None:
             begun, control = resume.begun, control.after((resume.begun - begun) * leg.mobility)
             stops = stops[(stops - begun) * leg.mobility >= resume.midway.time]
+            if self.ages is not None:
+                self.ages.begin(resume.midway.resume_state["ages"])
         elif control.course and not now.contact.force.any() and now.contact.has_not_crept:
             begun, control, deformation = yield from self.touch(control, leg, number, begun, stops)
             stops = stops[stops > begun]
@@ -182,10 +197,12 @@ class _Way:
                 return
         approach = self.now.approach if resume is None else resume.approach
 
-        def keep(midway: Callable[[], Midway]) -> None:
+        def keep(midway: Callable[[], Midway], lasted: float, state: Steps) -> None:
+            if self.ages is not None:
+                self.ages.creep(lasted / leg.mobility, leg.speed, state.touching)
             if self.after_step is not None:
                 where = number, begun, start, level, approach
-                self.after_step(lambda: LegMidway(*where, midway(), shifts))
+                self.after_step(lambda: LegMidway(*where, self.kept(midway()), shifts))
 
         frames = creep(
             self.now.contact,
@@ -196,6 +213,7 @@ class _Way:
             solver=self.solver,
             exact=self.exact,
             deformation=deformation,
+            fading=shifts > 0,
             midway=None if resume is None else resume.midway,
             after_step=keep,
         )
@@ -212,9 +230,17 @@ class _Way:
                 displacement=now.displacement,
                 velocity=leg.speed,
                 shift=now.shift,
+                ages=self.ages,
+                way=now.way,
                 at_a_shift=shifts > 0 and time == end and shifts % leg.every == 0,
             )
             yield self.now
+
+    def kept(self, midway: Midway) -> Midway:
+        """A place in a march with the present ages."""
+        if self.ages is None:
+            return midway
+        return replace(midway, resume_state={**midway.resume_state, "ages": self.ages.now})
 
     def touch(
         self, control: Control, leg: Leg, number: int, begun: float, stops: Field

@@ -170,7 +170,7 @@ class LocalSteps(TrBdf2):
             self.shape -= mean
             self.crept += mean
         self.states, self.rates = [end, *self.states][: self.through], self.rates[-1:]
-        self.system = self.system.lowered(end.u)
+        self.u, self.system = end.u, self.system.lowered(end.u)
         self.solver.heights = self.system.heights.reshape(self.solver.heights.shape)
 
 

@@ -41,7 +41,7 @@ from asperity.contact.controls import Control
 from asperity.contact.problem import ContactSolver
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError, InputError, PulledOff
-from asperity.lattice import Field
+from asperity.lattice import Field, Mask
 
 DIAGONAL = 1.0 - 1.0 / math.sqrt(2.0)
 WEIGHT = math.sqrt(2.0) / 4.0
@@ -70,11 +70,15 @@ class Attempt:
 
 
 class Aim(NamedTuple):
-    """Tolerances of both contact problems of a step, errors of u0 allowed instead, and the deformation."""
+    """Tolerances of both contact problems of a step, errors of u0 allowed instead, and the deformation.
+
+    Errors count after they have faded for a time ``left``, where the kind of steps can tell.
+    """
 
     tolerances: tuple[float, float]
     allowed_errors: tuple[float, float]
     deformation: float = math.nan
+    left: float = 0.0
 
 
 class Stage(NamedTuple):
@@ -141,9 +145,17 @@ class Steps(ABC):
 
     kind: ClassVar[str]
     """What checkpoints and frames call it."""
+    fades: ClassVar[bool] = False
+    """Whether it can tell how errors fade."""
 
     system: System
     time: float
+    u: Field
+
+    @property
+    def touching(self) -> Mask:
+        """Which sites are in contact."""
+        return self.u <= self.system.heights
 
     @classmethod
     @abstractmethod
@@ -221,6 +233,7 @@ class TrBdf2(Steps):
         tau, evenly, origin = DIAGONAL * duration, WEIGHT * duration, self.origin or duration
         logs, spent = [math.log(time + origin) for time in self.times], 0
         stages = (2 * tau, (tau,)), (duration, (evenly, evenly))
+        self.left = aim.left
         self.prepare(tau)
         try:
             for (ahead, creeps), *accuracy in zip(stages, aim.tolerances, aim.allowed_errors, strict=True):

@@ -123,7 +123,7 @@ class OfScan:
             ratios = {name: np.log(without_each(a) / without_each(b)) for name, (a, b) in parts.items()}
             ratios["load"] = np.log(without_each(load) / without_each(sites))
             # Near full contact the area grows less than the load.
-            ratios["in_contact"] += (1 - _slope(area.sum(axis=1) / contact.sites))[:, None] * ratios["load"]
+            ratios["in_contact"] += saturation(area.sum(axis=1) / contact.sites)[:, None] * ratios["load"]
             borne = bearing(load)
         without = {
             name: np.array(
@@ -162,7 +162,7 @@ def banded(dataset: xr.Dataset) -> list[str]:
 
 def with_bands(dataset: xr.Dataset, scan: OfScan, solid: Mapping[str, Floats]) -> xr.Dataset:
     """Add ``_low`` and ``_high`` of each banded quantity; `solid` is from `draws_of_solid`."""
-    columns = {}
+    columns: dict[str, Any] = {}
     for name in banded(dataset):
         base, power = _BY_AREA.get(name, (name, 1))
         part = "in_contact" if name in _BY_AREA else _SHARES.get(name, "punch")
@@ -170,11 +170,18 @@ def with_bands(dataset: xr.Dataset, scan: OfScan, solid: Mapping[str, Floats]) -
         if part == "punch":
             factors[:, dataset["contact_fraction"].values > CLOSED] = np.nan
         factors *= np.resize(solid.get(base, [[1.0]]), factors.shape)
-        ends, facts = np.asarray(dataset[name]) * interval(factors**power), dataset[name].attrs
-        for end, values in zip(("low", "high"), ends, strict=True):
-            long_name = f"{facts['long_name']}: {end} end of the 95 % band"
-            columns[f"{name}_{end}"] = "time", values, {"long_name": long_name, "units": facts["units"]}
+        columns |= band_of(dataset[name], factors**power)
     return dataset.assign(columns)
+
+
+def band_of(quantity: xr.DataArray, factors: Floats) -> dict[str, Any]:
+    """``_low`` and ``_high`` of a quantity, in a Dataset, by factors of draws along the first axis."""
+    ends, facts, columns = quantity.values * interval(factors), quantity.attrs, {}
+    for end, values in zip(("low", "high"), ends, strict=True):
+        long_name = f"{facts['long_name']}: {end} end of the 95 % band"
+        of_end = quantity.dims, values, {"long_name": long_name, "units": facts["units"]}
+        columns[f"{quantity.name}_{end}"] = of_end
+    return columns
 
 
 def effective_load(dataset: xr.Dataset, series: PronySeries) -> Field | None:
@@ -218,7 +225,9 @@ def draws_of_solid(
     if len(series) < 2:
         return {}
     if (loads := effective_load(dataset, series[0])) is None:
-        return _by_some(dataset, curves, series, solid, computed)
+        time = np.asarray(dataset["time"])
+        lags = np.append(0.0, np.geomspace(time[time > 0][0] / 10, time[-1], _LAGS))
+        return by_some(curves, lags, series, solid, computed)
     on = np.flatnonzero(loads > 0)
     crept = [np.log(np.asarray(effective_load(dataset, draw))[on] / draw.modulus) for draw in series]
     grown = np.flatnonzero(np.diff(np.maximum.accumulate(crept[0]), prepend=-np.inf) > _ROUNDING)
@@ -235,16 +244,14 @@ def draws_of_solid(
     return factors_of
 
 
-def _by_some(
-    dataset: xr.Dataset,
+def by_some(
     curves: Mapping[str, Field],
+    lags: Field,
     series: Sequence[PronySeries],
     solid: Solid,
-    computed: Callable[[Solid, str], xr.Dataset],
+    computed: Callable[[Solid, str], Mapping[Any, Any]],
 ) -> dict[str, Floats]:
-    """Compute the history for draws that span the compliances; derive the others from them."""
-    time = np.asarray(dataset["time"])
-    lags = np.append(0.0, np.geomspace(time[time > 0][0] / 10, time[-1], _LAGS))
+    """Compute curves for draws that span the compliances at some lags; derive the others from them."""
     compliance = np.log([draw.compliance_at(lags) for draw in series])
     modes, size, _ = np.linalg.svd(compliance[1:] - compliance[0], full_matrices=False)
     missed = np.sqrt(np.append(np.cumsum(size[::-1] ** 2)[::-1], 0.0))
@@ -261,7 +268,7 @@ def _by_some(
         parts: dict[str, Any] = {"permanent": None, "branches": (), "parameters": {}}
         scaled = {"modulus": factor * solid.modulus, "stiffness": Scaled(solid.stiffness, factor)}
         drawn = replace(solid, shares=other.branches, **parts, **scaled)
-        history = computed(drawn, f"aging draw {number + 1} of {count} of the solid")
+        history = computed(drawn, f"draw {number + 1} of {count} of the solid")
         for name, curve in curves.items():
             with np.errstate(divide="ignore", invalid="ignore"):
                 ratio = np.log(np.asarray(history[name]) / curve)
@@ -277,10 +284,10 @@ def in_tiles(maps: Floats, gather: np.ufunc = np.add) -> Floats:
     return maps.reshape(maps.shape[0], -1)
 
 
-def _slope(fraction: Field) -> Field:
-    """Slope d ln A / d ln F at contact fractions, by Persson's theory: A ~ erf(c F)."""
+def saturation(fraction: Field) -> Field:
+    """1 - d ln A / d ln F at contact fractions, by Persson's theory: A ~ erf(c F)."""
     argument = scipy.special.erfinv(np.minimum(fraction, 1 - _ROUNDING))
-    return np.asarray(argument * np.exp(-(argument**2)) * 2 / np.sqrt(np.pi) / fraction)
+    return np.asarray(1 - argument * np.exp(-(argument**2)) * 2 / np.sqrt(np.pi) / fraction)
 
 
 def bearing(load: Floats) -> Field:

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.analysis.aging import AgingSummary, summary_of
-from asperity.analysis.legs import leg_table
+from asperity.analysis.legs import leg_table, numbers_of
 from asperity.base import views
 from asperity.base.readable import readable, written
 from asperity.base.rows import Row
@@ -74,7 +74,35 @@ def history_rows(dataset: xr.Dataset, summary: AgingSummary | None) -> list[Row]
         ends = dict.fromkeys((0, seen.size - 1))
         unit = seen.attrs["units"]
         rows += [Row(f"observed at t = {times[n]:g}", areas[n], unit, digits=5) for n in ends]
-    return [*rows, *carried_rows(dataset), worst_residual(dataset)]
+    return [*rows, *friction_rows(dataset), *carried_rows(dataset), worst_residual(dataset)]
+
+
+def friction_rows(dataset: xr.Dataset) -> list[Row]:
+    """How friction grew in the last decade of each hold, by the area and by the strength.
+
+    Between both ends the change of mu = s q, with q = A / F_N, is that of q at the mean s, and that of s at
+    the mean q; each is divided by that of ln t.
+    """
+    rows = []
+    for leg in leg_table(dataset) if "friction_by_area" in dataset else ():
+        since = dataset["time"].values - leg.begin
+        late = (
+            (numbers_of(dataset) == leg.number)
+            & (since >= (0.1 - 1e-9) * (leg.end - leg.begin))
+            & (since > 0)
+        )
+        if not leg.leg.rests or np.count_nonzero(late) < 2:
+            continue
+        ends = np.flatnonzero(late)[[0, -1]]
+        mu, s = (dataset[name].values[ends] for name in ("friction", "strength_mean"))
+        lapse = float(np.log(since[ends[1]] / since[ends[0]]))
+        parts = np.diff(mu / s)[0] * s.mean() / lapse, np.diff(s)[0] * (mu / s).mean() / lapse
+        times = " to ".join(_time(dataset, float(time)) for time in since[ends])
+        area, strength = (f"{round(float(part), 6):.3g}" for part in parts)
+        note = f" an e-fold of time: {area} by the area, {strength} by the strength, t = {times}"
+        name = "growth of friction" + f", leg {leg.number}" * ("protocol" in dataset.attrs)
+        rows.append(Row(name, float(sum(parts)), note=note, digits=3, brief=True))
+    return rows
 
 
 def worst_residual(dataset: xr.Dataset) -> Row:

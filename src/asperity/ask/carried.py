@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
 from annotated_types import Gt, Len
 
+from asperity.ask.strength import ShearStrength
+from asperity.base import checks
 from asperity.base.parameters import Quantity
 from asperity.errors import InputError
 
@@ -17,10 +19,17 @@ Each = float | str | Sequence[float | str]
 
 @dataclass(frozen=True)
 class Carried:
-    """Carried quantities of a half-space to record beside the normal stiffness; for `asperity.age`.
+    """Carried quantities to record; for `asperity.age`. But for the strength, they are those of a half-space.
 
     Parameters
     ----------
+    strength
+        Record ``friction``, ``friction_force``, ``friction_by_area`` (without growth with age) and
+        ``strength_mean``, and of a strength that ages also ``contact_age_mean`` and maps ``site_age``. Ages
+        are 0 where the history begins.
+    stiffness
+        Whether to record the normal stiffness beside a strength; it is always recorded beside the others, and
+        alone.
     resistivity
         Record ``resistance``; see `Contact.resistance`.
     conductivity
@@ -42,9 +51,17 @@ class Carried:
     Raises
     ------
     InputError
-        Only one of shear and friction is given.
+        Only one of shear and friction is given, or the strength is none.
     """
 
+    strength: ShearStrength | None = None
+    stiffness: Annotated[
+        bool,
+        Quantity(
+            "record the normal stiffness",
+            more=", and the tangential one if the solid has one Poisson's ratio.",
+        ),
+    ] = False
     resistivity: Annotated[
         Each | None,
         *(Gt(0), Len(1, 2)),
@@ -84,9 +101,18 @@ class Carried:
     ] = None
 
     def __post_init__(self) -> None:
+        if self.strength is not None:
+            checks.instance(
+                "strength", self.strength, ShearStrength, "asperity.friction.ShearStrength('50 MPa')"
+            )
         if (self.shear is None) != (self.friction is None):
             got = "friction" if self.shear is None else "shear"
             raise InputError("shear and friction", expected="both or none of them", got=f"{got} alone")
+
+    @property
+    def responds(self) -> bool:
+        """Whether anything is asked of the response of a half-space."""
+        return self.strength is None or any(vars(replace(self, strength=None)).values())
 
     @property
     def along(self) -> Literal["x", "y"] | None:

@@ -96,7 +96,7 @@ class Law(Question):
         if body.adhesion is not None:
             expected, advice = "a solid without adhesion", "asperity.pull"
             raise InputError("solid", expected=expected, got="one with adhesion", advice=advice)
-        for name in ("shear", "work_of_adhesion"):
+        for name in ("shear", "work_of_adhesion", "strength"):
             if (put := getattr(self.carried, name, None)) is not None:
                 raise InputError(name, expected="none: a law has neither shear nor pull", got=put)
         given = self.pressures

@@ -145,6 +145,12 @@ class Predict(Question):
         self._check_legs()
         self._load_by_legs()
         super().__post_init__()
+        if (strength := getattr(self.carried, "strength", None)) is not None:
+            expected, advice = (
+                "none, as a band needs no history of contacts",
+                "shear_strength=..., or asperity.age",
+            )
+            raise InputError("strength", expected=expected, got=strength, advice=advice)
         seen = checks.instance("instrument", self.instrument or {}, dict, "{'pixel': '0.2 um'}")
         if others := seen.keys() - {*_INSTRUMENT}:
             raise InputError(

@@ -22,7 +22,7 @@ from asperity.ask.strength import ShearStrength
 from asperity.ask.surface import SURFACES, SurfaceSection
 from asperity.base.checks import choice, shown
 from asperity.base.files import Format
-from asperity.base.parameters import Parameter, Quantity
+from asperity.base.parameters import Quantity
 from asperity.errors import SHOWN_PROBLEMS, InputError, Name
 from asperity.protocols import Leg
 from asperity.protocols.histories import start_of
@@ -133,19 +133,7 @@ class Carried(Section):
     """Stiffness, resistances, stick and pull-off of the contact on a half-space, recorded at each time."""
 
     section = "carried"
-    keys: ClassVar[Keys] = {
-        "stiffness": Parameter(
-            bool,
-            (
-                Quantity(
-                    "record the normal stiffness",
-                    more=", and the tangential one if the solid has one Poisson's ratio.",
-                ),
-            ),
-            False,
-        ),
-        **keys_of_maker(CarriedQuantities),
-    }
+    keys: ClassVar[Keys] = keys_of_maker(CarriedQuantities)
 
     def check(self) -> None:
         """Refuse a shear force without a coefficient, and the other way round."""
@@ -363,12 +351,20 @@ class RunConfig:
     @property
     def carries(self) -> CarriedQuantities | None:
         """What to record besides load and area, if anything."""
-        facts = arguments_of(CarriedQuantities, self.carried)
+        facts = {name: one for name, one in arguments_of(CarriedQuantities, self.carried).items() if one}
         poisson = getattr(self.solid, "poisson", None)
         ratios = {*poisson} if isinstance(poisson, list) else {poisson} - {None}
         if self.carried.stiffness and len(ratios) == 1:
             facts["poisson"] = ratios.pop()
-        return CarriedQuantities(**facts) if facts or self.carried.stiffness else None
+        return CarriedQuantities(**facts) if facts else None
+
+    @property
+    def recorded(self) -> CarriedQuantities | None:
+        """The same, with friction of a strength whose contacts age; that of others needs no history."""
+        strength = self.friction.strength
+        if strength is None or not strength.ages:
+            return self.carries
+        return replace(self.carries or CarriedQuantities(), strength=strength)
 
     @property
     def end(self) -> float:

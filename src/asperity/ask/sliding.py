@@ -67,8 +67,9 @@ class SteadySliding(Question):
     xarray.Dataset
         Over ``speed``: ``hysteresis_friction_coefficient``, the dissipation over speed and load;
         ``contact_area``, ``contact_fraction``, ``mean_gap``, ``largest_pressure`` and ``residual``;
-        ``last_octave``, the share of the friction of waves shorter than four pixels; and with a shear
-        strength ``friction_coefficient``.
+        ``last_octave``, the share of the friction that is lost without waves shorter than four pixels; and
+        with a shear strength ``friction_coefficient``. Friction and areas have 95 % bands, ``_low`` and
+        ``_high``, as those of `asperity.predict`.
 
     Raises
     ------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -16,9 +17,12 @@ from asperity.errors import LARGEST, InputError, Name
 
 @dataclass(frozen=True)
 class ShearStrength(Checked):
-    """The shear strength of contacts; constant, or growing with the sliding velocity.
+    """The shear strength of contacts; constant, or growing with the sliding velocity and the age of a site.
 
-        sigma_S = sigma_0 (1 + a ln(V / V_ref))
+        sigma_S = sigma_0 (1 + a ln(V / V_ref) + beta ln(1 + theta / tau)),    d theta / dt = 1 - V theta / D
+
+    Each site has an age theta, 0 when it begins to touch: the law of aging of J. H. Dieterich, J. Geophys.
+    Res. 84, 2161 (1979), DOI 10.1029/JB084iB05p02161.
 
     Parameters
     ----------
@@ -28,6 +32,12 @@ class ShearStrength(Checked):
         a >= 0, the relative growth of the strength per factor e of velocity; 0 for a constant strength.
     reference_velocity
         V_ref > 0, length / time, at which the strength is sigma_0; needed unless the coefficient is 0.
+    growth
+        beta, the relative growth of the strength per factor e of age. Below 0 contacts weaken.
+    after
+        tau > 0, the age, time, from which the strength grows; needed unless the growth is 0.
+    renewal
+        D > 0, the slip, length, that renews a contact; needed with `after`.
     """
 
     strength: Annotated[
@@ -52,37 +62,78 @@ class ShearStrength(Checked):
         Ge(1 / LARGEST),
         Quantity("sliding velocity that belongs to the shear strength", "m/s", dimension="place / time"),
     ] = None
+    growth: Annotated[
+        float,
+        *(Ge(-1), Le(1)),
+        Quantity(
+            "relative growth of the shear strength with ln(age of a contact)",
+            usual=None,
+            more=". By default 0.",
+        ),
+    ] = 0.0
+    after: Annotated[
+        float | None,
+        Ge(1 / LARGEST),
+        Quantity("age of a contact from which its shear strength grows", "s"),
+    ] = None
+    renewal: Annotated[
+        float | None,
+        Ge(1 / LARGEST),
+        Quantity("slip that renews a contact", "m", dimension="place", more="; its age then begins anew."),
+    ] = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.rate_coefficient and self.reference_velocity is None:
-            raise InputError(
-                "rate_coefficient", expected=(Name("reference_velocity"), " beside it"), got="none"
-            )
+        needs = {
+            "rate_coefficient": "reference_velocity",
+            "growth": "after",
+            "after": "renewal",
+            "renewal": "after",
+        }
+        for name, other in needs.items():
+            if getattr(self, name) and getattr(self, other) is None:
+                raise InputError(name, expected=(Name(other), " beside it"), got="none")
 
-    def at(self, velocity: ArrayLike) -> NDArray[np.float64]:
-        """Shear strength while the contacts slide at velocities > 0, of any shape.
+    @property
+    def ages(self) -> bool:
+        """Whether it asks for the ages of contacts."""
+        return self.after is not None
 
-        `InputError` if the strength depends on a velocity that is infinite, or so low that the strength would
-        not be above 0.
+    def renewed(self, duration: float, slip: float) -> tuple[float, float]:
+        """What is left of an age, 0 to 1, and what comes to it, time, by a slip at a constant velocity."""
+        x = slip / (self.renewal or math.inf)
+        return math.exp(-x), duration * (-math.expm1(-x) / x if x else 1.0)
+
+    def grown(self, age: ArrayLike) -> NDArray[np.float64]:
+        """Relative growth of the strength at an age: beta ln(1 + theta / tau)."""
+        return np.asarray(self.growth * np.log1p(np.asarray(age) / (self.after or math.inf)))
+
+    def settled(self, velocity: ArrayLike) -> NDArray[np.float64]:
+        """The same in steady sliding, where contacts are as old as D / V."""
+        return self.grown(np.asarray((self.renewal or 0.0) / np.asarray(velocity)))
+
+    def at(self, velocity: ArrayLike, grown: ArrayLike = 0.0) -> NDArray[np.float64]:
+        """Shear strength while the contacts slide at velocities > 0, of any shape, and have ``grown``.
+
+        `InputError` if the strength depends on a velocity that is infinite, or would not be above 0.
         """
-        speeds = checks.floats("velocity", velocity)
-        if not self.rate_coefficient:
-            return np.full(speeds.shape, self.strength)
-        if not (np.isfinite(speeds).all() and (speeds > 0).all()):
+        speeds, rate = checks.floats("velocity", velocity), np.zeros(())
+        if self.rate_coefficient and not (np.isfinite(speeds).all() and (speeds > 0).all()):
             raise InputError(
                 "velocity",
                 expected="finite velocities > 0, where the shear strength depends on them",
                 got="a contact that does not slide, or slides at once",
                 advice="Slide(..., velocity=1.0), or rate_coefficient=0.0",
             )
-        assert self.reference_velocity is not None
-        strength = self.strength * (1 + self.rate_coefficient * np.log(speeds / self.reference_velocity))
+        if self.rate_coefficient:
+            assert self.reference_velocity is not None
+            rate = self.rate_coefficient * np.log(speeds / self.reference_velocity)
+        strength = np.broadcast_to(self.strength * (1 + rate + np.asarray(grown)), speeds.shape)
         if not (strength > 0).all():
             raise InputError(
-                "rate_coefficient",
+                "rate_coefficient" if self.rate_coefficient else "growth",
                 expected="a shear strength > 0 at every velocity",
                 got=f"{float(strength.min()):g} at {float(speeds.min()):g}",
-                advice="a reference_velocity nearer to those of the slides",
+                advice="a reference_velocity nearer to those of the slides" * bool(self.rate_coefficient),
             )
-        return np.asarray(strength)
+        return strength

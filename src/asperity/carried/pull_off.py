@@ -74,7 +74,13 @@ class Tuning:
 TUNING = Tuning()
 
 EXPECTED_ERROR = {2.0: 0.4, 3.0: 0.3, 4.0: 0.17, 6.0: 0.06, 11.0: 0.04, 16.0: 0.03, 32.0: 0.02}
-"""Largest error of the force for balls and flat punches, by the radius of the contact in pixels."""
+"""Largest error of the force of balls (1.5 pi w R) and flat punches, by pixels of the radius at pull-off."""
+
+ERROR_AT_ONCE = EXPECTED_ERROR | {4.0: 0.21, 6.0: 0.13, 8.0: 0.1, 11.0: 0.06, 16.0: 0.04}
+"""The same of balls that let go before their front has receded."""
+
+RECEDED = 1.1
+"""Radius over that at the pull-off up to which these hold, at other places of the pixels."""
 
 _CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], dtype=bool)
 Pair = tuple[Field, Field]
@@ -182,13 +188,18 @@ def _pulled(contact: Contact, w: float) -> PullOff:
 
 
 def _remark_on(contact: Contact, pull: PullOff) -> None:
-    sizes = patches(contact.in_contact, edges=contact.lattice.edges).sizes
-    radius = math.sqrt(float((sizes**2).sum()) / contact.area / math.pi)
-    error = float(np.interp(radius, list(EXPECTED_ERROR), list(EXPECTED_ERROR.values())))
+    held = pull.opened <= pull.approach[pull.normal_force.argmin()]  # at the largest tension
+    count = max(1, int(np.count_nonzero(held)))
+    sizes = patches(held, edges=contact.lattice.edges).sizes
+    radius = math.sqrt(float((sizes**2).sum()) / count / math.pi)
+    table = EXPECTED_ERROR if contact.area > RECEDED**2 * count else ERROR_AT_ONCE
+    radii, errors = np.transpose(sorted(table.items()))
+    error = float(np.interp(radius, radii, errors))
     if error > 0.05:
         remark(
-            f"pull_off: patches of {max(round(radius), 1)} pixels in radius, the mean over the contact, let "
-            f"the force err by about {100 * error:.0f} %; smaller pixels are surer, 4 % at 11 of them"
+            f"pull_off: patches of {max(round(radius), 1)} pixels in radius at the pull-off, the mean "
+            f"over the contact, let the force err by up to {100 * error:.0f} %; smaller pixels are surer, "
+            f"{100 * table[11.0]:.0f} % at 11 of them"
         )
     if pull.ratio < TUNING.fair_ratio:
         remark(

@@ -20,6 +20,8 @@ def quantities(carried: Carried, contact: Contact) -> dict[str, float]:
     InputError
         The solid is no half-space, or a number is out of range.
     """
+    if not carried.responds:
+        return {}
     check_half_space("carried", contact.solid, contact.lattice)
     numbers = {"normal_stiffness": contact.normal_stiffness}
     if carried.poisson is not None:

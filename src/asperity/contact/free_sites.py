@@ -100,8 +100,7 @@ class FreeSites:
 
         pinning = TUNING.pinning * _pinning(lattice, spectrum, contacts, neighbors, xp)
         self.coarse = coarse = _coarser(lattice)
-        longest = Lattice(tuple(min(n, 2) for n in lattice.shape))
-        cut = _stiffness_of_waves(spectrum, coarse) - _stiffness_of_waves(spectrum, longest)
+        cut = _stiffness_of_waves(spectrum, coarse) - _stiffness_of_waves(spectrum, _coarsest(lattice))
         cut = max(cut, pinning)
         self.compliance = 1.0 / (stiffness + cut / unit)
         long = lattice.long_waves(stiffness, coarse)
@@ -212,6 +211,12 @@ def _coarser(lattice: Lattice) -> Lattice:
     lengths = (range((max(n // TUNING.coarser, 1) - 1) // 2 * 2 + 1, 0, -2) for n in lattice.shape)
     fast = (next(n for n in odd if scipy.fft.next_fast_len(n) == n) for odd in lengths)
     return Lattice(tuple(fast), edges=lattice.edges)
+
+
+@lru_cache(maxsize=8)
+def _coarsest(lattice: Lattice) -> Lattice:
+    """The lattice of the longest waves."""
+    return Lattice(tuple(min(n, 2) for n in lattice.shape))
 
 
 def _stiffness_of_waves(spectrum: Spectrum, coarse: Lattice) -> float:

@@ -81,7 +81,8 @@ def pressed_anew(
     place = control.value - system.datum if system.load is None else None
     u, _, in_contact, _ = contact.relative
     last = np.full_like(u, np.inf) if apart else None
-    guess = Guess(np.array(u), in_contact, disposable=True, last=last)
+    gradual = contact.lattice.edges != "free"
+    guess = Guess(np.array(u), in_contact, disposable=True, last=last, gradual=gradual)
     return _anew(contact, contact, system, guess, place, solver, least_force)
 
 

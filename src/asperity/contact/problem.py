@@ -124,13 +124,14 @@ class Guess:
 
     By default those at which u is at most the height; with ``in_contact``, sites at which u is below the
     height yield, where the interface does. A solver may overwrite u of a ``disposable`` guess. Adhesion is at
-    first that of the surface ``last``, by default u.
+    first that of the surface ``last``, by default u; ``gradual`` adhesion changes at few sites a round.
     """
 
     u: Field
     in_contact: Mask | None = None
     disposable: bool = False
     last: Field | None = None
+    gradual: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,14 +16,19 @@ from asperity.figures.time_axis import time_axis
 from asperity.results.history import check_dataset
 from asperity.results.quantities import select
 
-_LOOKS = ((style.BLUE, "o"), (style.VERMILION, "s"))
+_LOOKS = ((style.BLUE, "o"), (style.VERMILION, "s"), (style.ORANGE, "v"), (style.SKY, "^"))
 
 _WIDE = 5.0
 """Ratio of resistances from which their axis is logarithmic."""
 
 _STICKS = "part of the contact\nthat sticks"
 _PANELS = {
-    "stiffness": ("normal_stiffness", "tangential_stiffness"),
+    "stiffness": (
+        "normal_stiffness",
+        "tangential_stiffness",
+        "tangential_stiffness_soft",
+        "tangential_stiffness_stiff",
+    ),
     "resistance": ("resistance",),
     "thermal resistance": ("thermal_resistance",),
     _STICKS: ("stick_fraction",),
@@ -86,8 +91,11 @@ def carried_figure(dataset: xr.Dataset) -> style.Drawing:
         else:
             axes.set_ylim(bottom=0, top=1 if label == _STICKS else 1.08 * factor * highest or None)
     head(grid, time, dataset)
-    for axes in grid:
-        style.finish(axes, lines_along="y")
+    for axes, names in zip(grid, panels.values(), strict=True):
+        many = len(names) > len(_LOOKS) / 2
+        style.finish(axes, legend=not many, lines_along="y")
+        if many:  # a legend within the panel would hide curves
+            style.legend_below(figure, axes, columns=2)
     style.entitle(
         figure, "Stiffness, resistance and slip", style.conditions(dataset, f"load {whole} at {begins}")
     )

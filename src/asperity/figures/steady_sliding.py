@@ -30,12 +30,18 @@ def steady_sliding_figure(dataset: xr.Dataset) -> style.Drawing:
     speed, unit = dataset["speed"].values, str(dataset["speed"].attrs["units"])
     figure, (above, below) = style.stacked((style.COLUMN, 3.6), 1, 1)
     look: dict[str, Any] = {"markersize": 2.5, "linewidth": 1.4}
-    if "friction_coefficient" in dataset:
-        whole = dataset["friction_coefficient"].values
-        above.plot(speed, whole, "o-", color=style.INK, label="with shear strength", **look)
-    loss = dataset["hysteresis_friction_coefficient"].values
-    above.plot(speed, loss, "o-", color=style.VERMILION, label="hysteresis", **look)
-    below.plot(speed, 100 * dataset["contact_fraction"].values, "o-", color=style.BLUE, **look)
+    curves = {
+        "friction_coefficient": (above, style.INK, "with shear strength"),
+        "hysteresis_friction_coefficient": (above, style.VERMILION, "hysteresis"),
+        "contact_fraction": (below, style.BLUE, ""),
+    }
+    for name, (axes, color, label) in curves.items():
+        factor = 100 if axes is below else 1
+        if name in dataset:
+            axes.plot(speed, factor * dataset[name].values, "o-", color=color, label=label, **look)
+        if f"{name}_low" in dataset:
+            low, high = (factor * dataset[f"{name}_{end}"].values for end in ("low", "high"))
+            axes.fill_between(speed, low, high, color=color, alpha=0.2, lw=0)
     above.set_ylabel("friction coefficient")
     below.set_ylabel("contact [%]")
     below.set_xlabel(style.with_unit("sliding speed", unit))
@@ -47,5 +53,7 @@ def steady_sliding_figure(dataset: xr.Dataset) -> style.Drawing:
     area = float(dataset.attrs["nominal_area"])
     pressure = float(dataset.attrs["load"]) / area
     shown = written(pressure, "Pa") if unit == "m/s" else f"{pressure:.4g}"
-    figure.suptitle(f"Steady sliding under {shown}, direction {json.loads(dataset.attrs['direction'])}")
+    banded = ", 95 % bands" * ("contact_fraction_low" in dataset)
+    direction = json.loads(dataset.attrs["direction"])
+    figure.suptitle(f"Steady sliding under {shown}, direction {direction}{banded}")
     return figure

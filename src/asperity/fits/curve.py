@@ -132,14 +132,14 @@ class Curve:
         return np.geomspace(0.1, 10 * self.points.x[-1], 20)
 
 
-def refuse_decline(series: Series, name: str = "area") -> None:
-    """Raise `InputError` unless values grow with time, by their rank correlation."""
+def refuse_decline(series: Series, name: str = "area", *, falls: bool = False) -> None:
+    """Raise `InputError` unless values grow with time, or fall, by their rank correlation."""
     constant = bool((series.y == series.y[0]).all())
     rank = 0.0 if constant or not np.ptp(series.x) else float(spearmanr(series.x, series.y).statistic)
-    if not rank > 0:
+    if not (-rank if falls else rank) > 0:
         got = f"{series.y[0]:g} at every time" if constant else f"{sketch(series.y)}"
         detail = "" if constant else f" (rank correlation with time {rank:.2f})"
-        kind = "an area that grows" if name == "area" else "values that grow"
+        kind = "values that fall" if falls else "an area that grows" if name == "area" else "values that grow"
         raise InputError(name, expected=f"{kind} with time", got=f"{got}{detail}")
 
 

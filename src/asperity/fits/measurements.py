@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -32,8 +32,9 @@ _EXPECTED = {
     "m^2": ("in a unit such as um^2, or as a fraction", "a header such as area_um2, or contact_fraction"),
     "1": ("without a unit, as the run has none", "a header such as time, area, or contact_fraction"),
 }
-Quantity = Literal["area", "friction", "depth", "radius"]
+Quantity = Literal["area", "friction", "depth", "radius", "force"]
 """What a table may be read for."""
+QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 
 _ERRORS = (
     r"\b(std\w*|err\w*|sd|se|sem|sigma|uncert\w*|deviation|abweichung|fehler|ecart\w*)\b|±|\+/-|(std|err)$"
@@ -47,6 +48,7 @@ _OF_VALUES: dict[str, Role] = {
     "depth": Role("depth", "m", r"depth|indent|tiefe|eindring|profondeur|deplacement|displac"),
     "friction": Role("friction", "1", r"fric|reib|frott|\bmu\b|[µμ]"),
     "area": Role("area", "m^2", rf"area|flache|\baire\b|surface|contact|a ?/ ?a ?\(?0|{_OF_WHOLE}"),
+    "force": Role("force", "N", r"force|kraft"),
 }
 _ERROR_OF_TIME = Role("", "", rf"(\btime\b|hold|^t\b).*({_ERRORS})")
 _ERROR = Role("stderr", "", _ERRORS)
@@ -57,7 +59,7 @@ _ROLES = (
     Role(
         "",
         "",
-        r"load|force|kraft|\blast\b|press|druck|temp|humid|\brh\b|feucht|segment|cycle|volt|speed|residual",
+        r"load|\blast\b|press|druck|temp|humid|\brh\b|feucht|segment|cycle|volt|speed|residual",
     ),
     *_OF_VALUES.values(),
     Role("value", "", ""),
@@ -121,7 +123,8 @@ def read_measurements(
     path
         A text file with one line for each measurement; also the ``aging.csv`` of a run.
     quantity
-        What the values are: ``"area"``, ``"friction"``, ``"depth"``, ``"radius"``, or several; default any.
+        What the values are: ``"area"``, ``"friction"``, ``"depth"``, ``"radius"``, ``"force"``, or several;
+        default any but force.
     time, value, stderr
         The columns: a name in the file's header, or a number, counted from 0. By default those with the name
         or the unit of a time and of the quantity; without names the first two.
@@ -138,7 +141,7 @@ def read_measurements(
     """
     columns_read = Columns(path, _ROLES, columns, units)
     table, indexed = columns_read.table, _begins_with_index(columns_read.table)
-    quantities: Sequence[str] = (quantity,) if isinstance(quantity, str) else quantity or (*_OF_VALUES,)
+    quantities: Sequence[str] = (quantity,) if isinstance(quantity, str) else quantity or QUANTITIES[:-1]
     asked: dict[str, int | str | None] = {"time": time, "value": value, "stderr": stderr}
     if columns is not None:
         if asked != dict.fromkeys(asked) or len(columns_read.chosen) not in (2, 3):
@@ -258,7 +261,7 @@ def _value(columns: Columns, time: int, taken: set[int], quantities: Sequence[st
     called = [at for at in named if normal(columns.label(at)) in quantities]
     unnamed = [at for at in others if columns.roles[at] == "value" and kinds[at] in {"", *wanted}]
     known = [columns.roles[at] for at in others if columns.roles[at] in _OF_VALUES and not named]
-    if len(known) == 1:
+    if len(known) == 1 and set(quantities) < set(QUANTITIES[:-1]):
         cure = {"quantity": known[0]}
     elif not {"", *wanted}.intersection(kinds.values()):
         cure = {}

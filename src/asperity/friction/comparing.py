@@ -22,7 +22,7 @@ from asperity.fits.comparison import ROUNDING, UNLIKELY, lack_of
 from asperity.friction.events import Events, HoldPeaks, hold_peaks
 from asperity.friction.fitting import rate_and_state
 from asperity.friction.laws import STATE_LAWS, StateLaw
-from asperity.friction.parameters import MachineFit, RateAndStateFit
+from asperity.friction.parameters import MISSES, MachineFit, RateAndStateFit
 from asperity.friction.records import Record
 
 PARAMETERS = ("mu_0", "a", "b", "D_c", "a_minus_b")
@@ -43,7 +43,11 @@ class StateLaws(views.Brief, views.Pictured):
     ----------
     verdict
         The law that the data prefer; or ``"undecided"``. For one record, the relative likelihood of the other
-        law is below 0.05. For several surfaces, the 95 % interval of `log_ratio` excludes 0.
+        law is below 0.05, and there is no `doubt`. For several surfaces, the 95 % interval of `log_ratio`
+        excludes 0.
+    doubt
+        Why the law that fits better is not preferred: it misses the record by more than the noise, or with a
+        fitted stiffness the other one fits better. Empty without reason.
     fits, record, runs
         Fit of each law to the record, or to the mean of the records; number of surfaces.
     estimates
@@ -70,6 +74,7 @@ class StateLaws(views.Brief, views.Pictured):
     delta_aicc: float
     effective_points: float
     relative_likelihood: float
+    doubt: str = ""
     free: Mapping[StateLaw, RateAndStateFit] = field(default_factory=dict)
 
     @views.later
@@ -153,13 +158,15 @@ def compare_state_laws(
     fits = fitted(mean.friction)
     estimates = {law: fit.estimates for law, fit in fits.items()}
     is_given = all(isinstance(fit, MachineFit) and fit.stiffness_stderr == 0 for fit in fits.values())
+    free = fitted(mean.friction, "fit") if is_given else {}
+    doubt = _doubt(fits, free)
     if len(several) == 1:
         better = min(fits.values(), key=_lack)
         ratio, unknown = np.array(_log_ratio(fits)), np.array(math.nan)
         log_ratio, worth = Estimate(ratio, unknown, unknown, unknown, 1), better.effective_points
         delta = worth * float(log_ratio.value)
         likelihood = math.exp(-abs(delta) / 2)
-        decided = likelihood < UNLIKELY
+        decided = likelihood < UNLIKELY and not doubt
     else:
         jackknifed = jackknife(statistics, friction)
         log_ratio = jackknifed.part(-1)
@@ -182,8 +189,17 @@ def compare_state_laws(
         delta_aicc=delta,
         effective_points=worth,
         relative_likelihood=likelihood,
-        free=fitted(mean.friction, "fit") if is_given else {},
+        doubt=doubt,
+        free=free,
     )
+
+
+def _doubt(fits: Mapping[StateLaw, RateAndStateFit], free: Mapping[StateLaw, RateAndStateFit]) -> str:
+    better, *others = (min(each, key=lambda law: _lack(each[law])) for each in (fits, free) if each)
+    fit = fits[better]
+    if isinstance(fit, MachineFit) and fit.misfit >= MISSES:
+        return "neither law describes the record to its noise"
+    return "with a fitted stiffness the other law fits better" if others not in ([], [better]) else ""
 
 
 def _check_same(first: Record, other: Record) -> None:

@@ -67,7 +67,8 @@ def rows_of(record: Record, events: object) -> NDArray[np.bool_]:
     _refuse_noise(record)
     (needed, wanted), kinds = _EVENTS[str(events)], record.events
     rests = bool((record.velocity[1:] == 0).any())
-    if not ((rests and HOLD in wanted) or (STEPPED in wanted and (kinds == STEPPED).any())):
+    found = (rests and HOLD in wanted) or (STEPPED in wanted and (kinds == STEPPED).any())
+    if not (found or (record.presses_anew and events == "all")):
         got = "rests only"
         if not rests:
             got = f"slip at {record.speed(first_velocity(record.velocity))}, without rest or step"

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from asperity.base import checks
@@ -88,9 +89,29 @@ def _toml(laws: StateLaws, law: StateLaw) -> str:
 
 
 def events_table(fits: Mapping[Event, MachineFit | None], record: Record) -> pd.DataFrame:
-    """Holds and steps fitted one by one."""
-    columns = ({} if fit is None else columns_of(fit.estimates, si=record.si) for fit in fits.values())
-    return pd.DataFrame([event._asdict() | of for event, of in zip(fits, columns, strict=True)])
+    """Holds and steps fitted one by one: each at its displacement of the load point, with 95 % intervals.
+
+    Parameters
+    ----------
+    fits, record
+        Result and argument of `fit_events`.
+
+    Returns
+    -------
+    DataFrame
+        A row for each event, with the fields of `Event`, ``displacement``, and ``a``, ``b``, ``D_c``,
+        ``a_minus_b`` and others with ``_low`` and ``_high``; where the record has units, lengths end in
+        ``_m``. `determined` is false where D_c is not, and missing where no law fits.
+    """
+    name = "displacement_m" if record.si else "displacement"
+    rows = []
+    for event, fit in fits.items():
+        place = float(np.interp(event.time, record.time, record.displacement))
+        row = event._asdict() | {name: place}
+        if fit is not None:
+            row |= {**columns_of(fit.estimates, si=record.si), "determined": fit.determined}
+        rows.append(row)
+    return pd.DataFrame(rows)
 
 
 def _csv(laws: StateLaws, law: StateLaw) -> str:

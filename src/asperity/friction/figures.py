@@ -6,11 +6,13 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 
 from asperity.base import checks
 from asperity.base.readable import readable
 from asperity.base.words import uncertain
+from asperity.errors import InputError
 from asperity.figures import style
 from asperity.friction.comparing import StateLaws
 from asperity.friction.laws import STATE_LAWS, StateLaw
@@ -18,6 +20,14 @@ from asperity.friction.parameters import MachineFit
 
 _LINES: dict[StateLaw, tuple[str, str]] = {"aging": (style.BLUE, "-"), "slip": (style.VERMILION, "--")}
 _RINGS = {"markersize": 3.5, "markeredgewidth": 1, "markerfacecolor": "white"}
+_FITTED = {
+    "a": ("$a$", 0, style.BLUE, "o"),
+    "b": ("$b$", 0, style.VERMILION, "s"),
+    "a_minus_b": ("$a - b$", 1, style.INK, "o"),
+    "D_c": ("$D_c$", 2, style.INK, "o"),
+}
+"""Parameters of events: sign, panel and look."""
+
 _MANY = 400
 """Entries above which the record is drawn as dots without edges."""
 
@@ -42,6 +52,55 @@ def rate_and_state_figure(found: StateLaws) -> style.Drawing:
             axes.set_xlabel(panel.along)
     figure.axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), frameon=False)
     return figure
+
+
+@style.drawn
+def events_figure(table: pd.DataFrame) -> style.Drawing:
+    """Draw a, b, a - b and D_c of each event against displacement, with their 95 % intervals.
+
+    D_c is left out where it is not determined. `InputError` for a table without these columns.
+
+    Parameters
+    ----------
+    table
+        What `events_table` returned, or published fits with such columns: displacement, a, a_low, a_high ...
+    """
+    si = "displacement_m" in table
+    ends, unit = ("_m", "m") if si else ("", "")
+    names = [f"{n}{end}{ends * (n == 'D_c')}" for n in _FITTED for end in ("", "_low", "_high")]
+    if missing := {f"displacement{ends}", *names} - set(table):
+        expected, advice = "a table of events", "asperity.friction.events_table(fits, record)"
+        raise InputError("table", expected=expected, got=f"none of {min(missing)}", advice=advice)
+    if "determined" in table:
+        known = table["determined"] == True  # noqa: E712, missing is no truth
+        lengths = [name for name in names if name.startswith("D_c")]
+        table = table.assign(**{name: table[name].where(known) for name in lengths})
+    figure, panels = style.stacked((style.COLUMN, 4.4), 1, 1, 1)
+    along, scale = _length("displacement of the load point", table[f"displacement{ends}"], unit)
+    of_length, longer = _length("$D_c$", table[f"D_c{ends}"], unit)
+    for name, (sign, at, color, mark) in _FITTED.items():
+        end, factor = (ends, longer) if name == "D_c" else ("", 1.0)
+        middle, low, high = (factor * table[f"{name}{side}{end}"] for side in ("", "_low", "_high"))
+        look: dict[str, Any] = {"color": color, "markersize": 3, "linewidth": 0.9, "label": sign}
+        errors = np.array([middle - low, high - middle])
+        panels[at].errorbar(scale * table[f"displacement{ends}"], middle, errors, fmt=mark, **look)
+        panels[at].set_ylabel(of_length if name == "D_c" else sign)
+    panels[0].set_ylabel("$a$, $b$")
+    panels[1].axhline(0, color=style.INK, linewidth=0.8)
+    panels[2].set_ylim(bottom=0)
+    panels[2].set_xlabel(along)
+    panels[2].locator_params(axis="x", nbins=5)
+    for axes in panels:
+        style.finish(axes, legend=axes is panels[0])
+    figure.align_ylabels(panels)
+    return figure
+
+
+def _length(quantity: str, values: pd.Series[float], unit: str) -> tuple[str, float]:
+    """Label of an axis of lengths, and their factor."""
+    if not unit:
+        return f"{quantity} [length]", 1.0
+    return style.scaled(quantity, unit, float(values.max()))
 
 
 @style.panels_of.register

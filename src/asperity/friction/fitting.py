@@ -101,6 +101,11 @@ def rate_and_state(
     advice = "asperity.friction.record_of(history), or asperity.friction.read_record(path)"
     record = checks.instance("record", record, Record, advice)
     k = stiffness_of(record, stiffness)
+    if record.normal is not None and k == math.inf:
+        expected = "a finite one, or 'fit', as the normal stress changes, and slip with it"
+        raise InputError(
+            "stiffness", expected=expected, got=checks.shown(stiffness), cure={"stiffness": "fit"}
+        )
     if k != math.inf:
         reference = None if V_0 is None else _velocity(V_0, si=record.si)
         return pulled_fit(record, state_law(law), a, reference, events, k)

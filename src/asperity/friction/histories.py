@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from asperity.analysis.tabor import add_friction
 from asperity.ask.strength import ShearStrength
 from asperity.base import checks
 from asperity.errors import InputError
 from asperity.friction.records import Record, after_slips
+from asperity.results.tabor import add_friction
 
 if TYPE_CHECKING:
     from asperity.results import History

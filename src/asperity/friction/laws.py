@@ -8,6 +8,10 @@ Geophys. Res. 88, 10359 (1983), doi:10.1029/JB088iB12p10359):
     aging law   d theta/dt = 1 - V theta/D_c
     slip law    d theta/dt = -(V theta/D_c) ln(V theta/D_c)
 
+If the normal stress sigma changes, ln theta falls by (alpha/b) ln(sigma_2/sigma_1), and the friction
+coefficient by alpha ln(sigma_2/sigma_1) (M. F. Linker, J. H. Dieterich, J. Geophys. Res. 97, 4923 (1992),
+doi:10.1029/92JB00017).
+
 Over a time t in which a contact slips x D_c, and ln V rises by 2 c, linearly in slip, to ln V_end, both have
 solutions:
 
@@ -25,15 +29,16 @@ Here V is the velocity of slip; `asperity.friction.slider` has a machine whose l
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.analysis.tabor import coming_velocity
 from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.errors import InputError
+from asperity.results.tabor import coming_velocity
 
 StateLaw = Literal["aging", "slip"]
 STATE_LAWS: tuple[StateLaw, ...] = ("aging", "slip")
@@ -67,6 +72,8 @@ class RateAndState:
         Friction coefficient of steady sliding at V_0.
     V_0
         Reference velocity (length/time), above 0.
+    alpha
+        Effect of a change of the normal stress on the state.
     """
 
     law: StateLaw = "aging"
@@ -75,15 +82,22 @@ class RateAndState:
     D_c: float
     mu_0: float
     V_0: float
+    alpha: float = 0.0
 
     def __post_init__(self) -> None:
         state_law(self.law)
-        for name in ("a", "b", "mu_0"):
+        for name in ("a", "b", "mu_0", "alpha"):
             object.__setattr__(self, name, checks.number(name, getattr(self, name)))
         for name in ("D_c", "V_0"):
             object.__setattr__(self, name, checks.number(name, getattr(self, name), above=0.0))
 
-    def state(self, time: ArrayLike, velocity: ArrayLike, start: float | None = None) -> Floats:
+    def state(
+        self,
+        time: ArrayLike,
+        velocity: ArrayLike,
+        start: float | None = None,
+        normal: ArrayLike | None = None,
+    ) -> Floats:
         """Return the state theta of a record.
 
         Parameters
@@ -97,6 +111,9 @@ class RateAndState:
         start
             State at the first time, not below 0, and above 0 for the slip law; by default that of steady
             sliding at the first velocity above 0.
+        normal
+            Normal stress (any unit) in the interval that ends at each time, shape (n,), above 0: it changes
+            at times of the record, at which the state is the one before. By default it is constant.
 
         Returns
         -------
@@ -110,14 +127,39 @@ class RateAndState:
         if start == 0 and self.law == "slip":
             raise InputError("start", expected="a state above 0 for the slip law", got=start)
         with np.errstate(divide="ignore"):
-            return np.exp(log_state(self.law, times, velocities, self.D_c, float(np.log(start))))
+            log = float(np.log(start))
+        falls = self._falls(times, normal)
+        state, ends = np.empty(times.size), [0, *np.flatnonzero(falls).tolist(), times.size - 1]
+        for first, last in pairwise(ends):
+            rows = slice(first, last + 1)
+            part = log_state(self.law, times[rows], velocities[rows], self.D_c, log - falls[first])
+            state[rows] = np.append(log, part[1:])
+            log = float(part[-1])
+        return np.exp(state)
 
-    def friction(self, time: ArrayLike, velocity: ArrayLike, start: float | None = None) -> Floats:
+    def _falls(self, time: Floats, normal: ArrayLike | None) -> Floats:
+        """Fall of ln theta after each time, shape (n,)."""
+        if normal is None or self.alpha == 0:
+            return np.zeros(time.size)
+        stress = checks.positive("normal", checks.line("normal", normal))
+        if stress.size != time.size:
+            raise InputError("normal", expected=f"one for each of the {time.size} times", got=stress.size)
+        if self.b == 0:
+            raise InputError("b", expected="a number other than 0 beside alpha", got=self.b)
+        return np.append(self.alpha / self.b * np.diff(np.log(stress)), 0.0)
+
+    def friction(
+        self,
+        time: ArrayLike,
+        velocity: ArrayLike,
+        start: float | None = None,
+        normal: ArrayLike | None = None,
+    ) -> Floats:
         """Return the friction coefficient of a record, shape (n,), with the parameters of `state`.
 
         At rest it is the strength against slip at the next velocity.
         """
-        state = self.state(time, velocity, start)
+        state = self.state(time, velocity, start, normal)
         direct = self.a * log_velocity(*timetable(time, velocity), self.V_0)
         with np.errstate(divide="ignore"):
             return np.asarray(self.mu_0 + direct + self.b * np.log(self.V_0 * state / self.D_c))

@@ -55,6 +55,10 @@ class Drive:
         """The first time, the kinks, and the last time."""
         return np.concatenate([time[:1], self.kinks, time[-1:]])
 
+    def along(self, edges: Floats) -> Floats:
+        """Velocity from each of some times to the next, among which are the kinks."""
+        return np.asarray(self.velocity[np.searchsorted(self.kinks, (edges[1:] + edges[:-1]) / 2)])
+
     def place(self, time: Floats) -> Floats:
         """Displacement since the first time, shape (n,)."""
         edges = np.clip(self.edges(time), time[0], time[-1])

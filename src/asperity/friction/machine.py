@@ -2,7 +2,7 @@
 
 The data are friction, mu_0 + drift x_lp + a w + b s; with a measured slip x, the load point x + mu/k, which
 is straight between kinks; and with a measured load point, its kinks. mu_0, the drift and those lines are
-linear, and projected out of the residuals. The search is over ln a, b, ln D_c, ln k and the kinks.
+linear, and projected out of the residuals. The search is over ln a, b, ln D_c, ln k, alpha and the kinks.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from asperity.fits.comparison import neighbors
 from asperity.fits.search import inverse_square
 from asperity.friction.laws import StateLaw
 from asperity.friction.loading import Drive
+from asperity.friction.normal_stress import NormalStress
 from asperity.friction.slider import Course, RunsAwayError, Shape, follow
 
 _DIFFERENCE = 1e-4
@@ -30,6 +31,12 @@ FINE = 3e-6
 _EDGE = 1e-3
 """Distance from the end of its range below which a parameter is not determined."""
 
+LINEAR = ("b", "alpha")
+"""Parameters that are searched themselves, and not their logarithm."""
+
+_ALPHA = (-1.0, 2.0)
+"""Range of alpha, which is between 0 and the friction coefficient (Linker and Dieterich)."""
+
 _BESIDE = 2
 """Rows on each side of a kink without a fit of measured slip."""
 
@@ -39,7 +46,7 @@ class Machine:
     """Measurements and parameters of a machine.
 
     `used` are the rows whose friction is fitted, `measured` the kinks of a measured load point, `noise` the
-    standard deviations of friction and slip. `a` and `k` are None if they are searched.
+    standard deviations of friction and slip. `a`, `k` and `alpha` are None if they are searched.
     """
 
     law: StateLaw
@@ -52,20 +59,22 @@ class Machine:
     a: float | None
     k: float | None
     noise: tuple[float, float]
+    normal: NormalStress | None = None
+    alpha: float | None = 0.0
 
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Parameters to search before the kinks: a, D_c and k in the logarithm."""
-        fixed = {"a": self.a, "k": self.k}
+        fixed = {"a": self.a, "k": self.k, "alpha": self.alpha}
         return tuple(name for name in Shape._fields if fixed.get(name) is None)
 
     def shape(self, point: Floats) -> Shape:
         """The parameters at a point of the search."""
         sizes = {
-            name: float(value) if name == "b" else math.exp(value)
+            name: float(value) if name in LINEAR else math.exp(value)
             for name, value in zip(self.names, point, strict=False)
         }
-        return Shape(**{"a": self.a, "k": self.k} | sizes)  # type: ignore[arg-type]
+        return Shape(**{"a": self.a, "k": self.k, "alpha": self.alpha} | sizes)  # type: ignore[arg-type]
 
     def moved(self, point: Floats) -> Drive:
         """The drive with the kinks of a point."""
@@ -73,7 +82,10 @@ class Machine:
 
     def course(self, point: Floats) -> Course:
         """The slider at a point; `RunsAwayError` in stick-slip."""
-        return follow(self.law, self.shape(point), self.moved(point), self.time)
+        return self._followed(self.shape(point), self.moved(point))
+
+    def _followed(self, shape: Shape, drive: Drive, base: Course | None = None, kink: int = 0) -> Course:
+        return follow(self.law, shape, drive, self.time, base, kink, self.normal)
 
     @cached_property
     def columns(self) -> Floats:
@@ -106,8 +118,9 @@ class Machine:
         linear = self._inverse @ friction
         parts = [(self.columns @ linear - friction) / self.noise[0]]
         if self.slip is not None:
-            places = [((self.slip + elastic / shape.k)[rows], basis) for _, rows, basis in self.pieces]
-            parts += [(place - basis @ (basis.T @ place)) / self.noise[1] for place, basis in places]
+            place = self.slip + course.stretch(shape)
+            places = [(place[rows], basis) for _, rows, basis in self.pieces]
+            parts += [(part - basis @ (basis.T @ part)) / self.noise[1] for part, basis in places]
         kinks = (point[len(self.names) :] - self.drive.kinks) / self.drive.spread
         return linear, [*parts, kinks[self.measured]]
 
@@ -139,7 +152,7 @@ class Machine:
         ahead, kink = point.copy(), n - len(self.names)
         ahead[n] += step
         from_kink = () if kink < 0 else (base, kink)
-        course = follow(self.law, self.shape(ahead), self.moved(ahead), self.time, *from_kink)
+        course = self._followed(self.shape(ahead), self.moved(ahead), *from_kink)
         linear, parts = self.compared(ahead, course)
         return np.concatenate([linear, *parts])
 
@@ -162,6 +175,7 @@ class Machine:
             "b": (-50 * size, 50 * size),
             "D_c": (math.log(finest / 10), math.log(10 * place[-1])),
             "k": (math.log(size / place[-1] / 10), math.log(100 * size / finest)),
+            "alpha": _ALPHA,
         }
         rooms = np.diff(drive.edges(self.time))
         ends = np.array([ranges[name] for name in self.names]).reshape(-1, 2)
@@ -175,7 +189,7 @@ class Machine:
 
     def _step(self, n: int, shape: Shape, difference: float) -> float:
         if n < len(self.names):
-            return difference * (max(shape.a, abs(shape.b)) if self.names[n] == "b" else 1.0)
+            return difference * (max(shape.a, abs(shape.b)) if self.names[n] in LINEAR else 1.0)
         at = n - len(self.names)
         change = abs(float(self.drive.velocity[at + 1] - self.drive.velocity[at]))
         return min(10 * difference * shape.D_c / change, 0.05 * float(self.drive.spread[at]))
@@ -200,7 +214,7 @@ class Machine:
         if self.measured.any() or self.slip is None:
             return self
         shape, speeds = self.shape(point), self.drive.velocity.copy()
-        place = self.slip + self.course(point).elastic(shape) / shape.k
+        place = self.slip + self.course(point).stretch(shape)
         for n, rows, _ in self.pieces:
             if speeds[n] > 0:
                 speeds[n] = np.polyfit(self.time[rows] - self.time[rows[0]], place[rows], 1)[0]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
 import numpy as np
@@ -50,9 +50,9 @@ class RateAndStateFit(FitResult):
     ----------
     law, V_0
         Law of the state; reference velocity.
-    mu_0, a, b, D_c
-        The parameters, each with a standard error in ``..._stderr``, which is 0 for an a that was not fitted.
-        The interval of D_c is symmetric in its logarithm.
+    mu_0, a, b, D_c, alpha
+        The parameters, each with a standard error in ``..._stderr``, which is 0 for an a that was not fitted,
+        and for the alpha of a constant normal stress. The interval of D_c is symmetric in its logarithm.
     a_minus_b
         Change of steady friction per e-fold of the velocity, with its standard error; below 0 sliding can be
         unstable.
@@ -84,14 +84,18 @@ class RateAndStateFit(FitResult):
     residual: Floats
     used: NDArray[np.bool_]
     at_edge: bool
+    alpha: float = 0.0
+    alpha_stderr: float = 0.0
 
     scales: ClassVar[frozenset[str]] = frozenset({"D_c"})
 
     @property
     def estimates(self) -> dict[str, Estimate]:
-        """Estimates by name, with standard errors and 95 % intervals."""
+        """Estimates by name, with standard errors and 95 % intervals; alpha only if it was fitted."""
         estimates = {}
         for name in parameters_of(self):
+            if name == "alpha" and not self.alpha_stderr:
+                continue
             value, stderr, low, high = np.array([*self.known(name), *self.interval(name)])
             estimates[name] = Estimate(value, stderr, low, high, 1)
         return estimates
@@ -104,7 +108,8 @@ class RateAndStateFit(FitResult):
     @property
     def parameters(self) -> RateAndState:
         """The law with these parameters."""
-        return RateAndState(law=self.law, a=self.a, b=self.b, D_c=self.D_c, mu_0=self.mu_0, V_0=self.V_0)
+        names = [item.name for item in fields(RateAndState)]
+        return RateAndState(**{name: getattr(self, name) for name in names})
 
     def predict(self, record: Record) -> Floats:
         """Friction coefficient at each time of the record, from the state at its first time, shape (n,)."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from asperity.friction.events import rows_of
 from asperity.friction.laws import StateLaw
 from asperity.friction.loading import Drive, drive_of_slip, variance
 from asperity.friction.machine import Machine
+from asperity.friction.normal_stress import NormalStress
 from asperity.friction.parameters import MachineFit, described
 from asperity.friction.records import Record
 from asperity.friction.searching import solve
@@ -34,6 +36,10 @@ _CYCLES, _SMOOTHED = 3, 3
 
 _BAND, _PERIODIC, _LASTS = 1.3, 0.7, 0.8
 """Ratio of frequencies about a period, least share of the power there, and of the first rises in the last."""
+
+_ABRUPT, _SHARP, _RECOVERS = 2.5, 4.0, 0.7
+"""Of stick-slip of two cycles: least height over that of many, rows of a rise over those of a fall, and rise
+over the fall before."""
 
 _STEADY, _FINE = 10, 1e-3
 """Least number of rows of steady sliding that show the noise; least noise, over the range of friction."""
@@ -77,19 +83,24 @@ def pulled_fit(
         raise InputError("record", expected=expected, got="the strength at rest")
     rows, drive = record.time.size, record.drive
     if drive is None:
-        drive, _ = drive_of_slip(record.time, record.displacement, record.friction)
+        force = record.friction if record.normal is None else record.friction * record.normal
+        drive, _ = drive_of_slip(record.time, record.displacement, force)
         record = replace(record, slip=record.displacement, drive=drive, velocity=drive.per_row(record.time))
     if drive.velocity[0] == 0 and drive.kinks.size:  # steady from the middle of the first slide on
         record = record.between(float(drive.edges(record.time)[1:3].mean()))
         drive = drive.between(record.time[0], math.inf)
     used, time, friction, slip = rows_of(record, events), record.time, record.friction, record.slip
-    refuse_oscillation(record, drive)
+    normal = None if record.normal is None else NormalStress.of(time, record.normal, friction, drive.kinks)
+    edges = drive.edges(time)
+    refuse_oscillation(record, drive, edges if normal is None else normal.edges(edges))
     if a is None:
         a = record.a
     fixed = None if a is None or a == "fitted" else checks.number("a", a, above=0.0)
     noise = math.sqrt(variance(time, friction)), 1.0 if slip is None else math.sqrt(variance(time, slip))
     measured = np.full(drive.kinks.size, record.load_point is not None)
-    machine = Machine(law, time, friction, slip, drive, used, measured, fixed, k, noise)
+    machine = Machine(law, time, friction, slip, drive, used, measured, fixed, k, noise, normal)
+    if record.presses_anew:
+        machine = replace(machine, alpha=None)
     try:
         solution = solve(machine)
     except RunsAwayError:
@@ -97,12 +108,11 @@ def pulled_fit(
     return _result(record, *solution, rows - time.size, V_0)
 
 
-def refuse_oscillation(record: Record, drive: Drive) -> None:
-    """Refuse oscillations of one period that do not die out at a constant velocity of the load point."""
+def refuse_oscillation(record: Record, drive: Drive, edges: Floats) -> None:
+    """Refuse oscillations of one period that do not die out while nothing of the machine changes."""
     time, friction, second = record.time, record.friction, record.scales[0]
     least = max(_LIKE_NOISE * math.sqrt(variance(time, friction)), _LARGE * float(np.ptp(friction)))
-    edges = drive.edges(time)
-    for n, speed in enumerate(drive.velocity):
+    for n, speed in enumerate(drive.along(edges)):
         rows = (time >= edges[n]) & (time <= edges[n + 1])
         if speed > 0 and (cycles := _cycles(friction[rows], least)) is not None:
             peaks, height = cycles
@@ -117,10 +127,15 @@ def refuse_oscillation(record: Record, drive: Drive) -> None:
 def _cycles(friction: Floats, least: float) -> tuple[NDArray[np.intp], float] | None:
     """Peaks of oscillations that last, and the rise of the last but one; None for noise.
 
+    Two are enough if friction falls much faster than it rises, and recovers.
+
     Noise, of which rows may correlate, is less after a mean over a quarter of a period, and has no period:
     less of its power is at that of its peaks.
     """
     smooth, period = friction, 1
+    peaks, about = find_peaks(friction, prominence=_ABRUPT * least)
+    if peaks.size > 1 and _sticks(friction, peaks):
+        return peaks, float(about["prominences"][-2])
     for _ in range(_SMOOTHED):
         peaks, about = find_peaks(smooth, prominence=least)
         if peaks.size <= _CYCLES:
@@ -135,6 +150,23 @@ def _cycles(friction: Floats, least: float) -> tuple[NDArray[np.intp], float] | 
         float(np.median(part)) for part in (heights[: peaks.size // 2], heights[peaks.size // 2 :])
     )
     return (peaks, float(heights[-2])) if share > _PERIODIC and late > _LASTS * early else None
+
+
+def _sticks(friction: Floats, peaks: NDArray[np.intp]) -> bool:
+    """Whether friction falls much faster than it rises between some peaks, and recovers."""
+    falls, rises = [], []
+    for first, last in pairwise(peaks.tolist()):
+        low = first + int(friction[first : last + 1].argmin())
+        falls.append(_middle(friction[first : low + 1]))
+        rises.append(_middle(friction[low : last + 1]))
+    recovered = (friction[last] - friction[low]) / (friction[first] - friction[low])
+    return bool(_SHARP * np.median(falls) < np.median(rises) and recovered > _RECOVERS)
+
+
+def _middle(friction: Floats) -> int:
+    """Number of rows in the middle half of a rise or a fall."""
+    part = (friction - friction.min()) / np.ptp(friction)
+    return max(1, int(np.count_nonzero((part > 0.25) & (part < 0.75))))
 
 
 def _stick_slip(text: str) -> InputError:
@@ -169,7 +201,10 @@ def _result(
 ) -> MachineFit:
     """The fit in units of the record, with mu_0 at the reference velocity."""
     shape, start = machine.shape(point), float(machine.drive.velocity[0])
-    a, b, D_c, k = shape
+    a, b, D_c, k, _ = shape
+    changes = point[len(machine.names) :]
+    if machine.normal is not None:
+        k, changes = k / float(machine.normal.value.max()), np.append(changes, machine.normal.kinks)
     if k * D_c < b - a:
         unit, length = record.units[1], record.scales[1]
         lost = (b - a) / D_c * length
@@ -213,9 +248,9 @@ def _result(
         stiffness_at_edge="k" in at_edge,
         kinks=point[len(machine.names) :],
         released=released,
-        noise=_steady_noise(record, float(point[len(machine.names) :].min())),
+        noise=_steady_noise(record, float(changes.min())),
         tried=tried,
         friction=whole_course(mu_0 + drift * place + elastic),
-        slip=whole_course(place - elastic / k),
+        slip=whole_course(place - course.stretch(shape)),
         state=whole_course(np.exp(course.states[:, 1]) * D_c / start),
     )

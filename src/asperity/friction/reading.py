@@ -13,7 +13,7 @@ from asperity.base import units as si
 from asperity.base.checks import Floats
 from asperity.base.words import number
 from asperity.errors import InputError
-from asperity.friction.loading import variance
+from asperity.friction.normal_stress import changes
 from asperity.friction.records import Record
 from asperity.friction.xlook import is_xlook, read_xlook
 from asperity.sheets.columns import TIME, Chosen, Columns, Role, Units, named
@@ -62,9 +62,6 @@ _EXAMPLES = (
 _ARGUMENTS = ("units", "strength_at_rest")
 _MOTIONS = ("load point", "velocity", "displacement")
 
-_CONSTANT, _NOISE = 0.02, 6.0
-"""Largest change of a constant normal stress: over its mean, and over its noise."""
-
 
 def read_record(
     path: Path | str,
@@ -103,8 +100,8 @@ def read_record(
     Raises
     ------
     InputError
-        The columns are not understood, only some have units, the normal stress changes, or the load point
-        goes back.
+        The columns are not understood, only some have units, the normal stress is not above 0, or the load
+        point goes back.
     """
     if is_xlook(Path(path)):
         table: Table | Path | str = read_xlook(Path(path), calibration)
@@ -132,19 +129,20 @@ def read_record(
     time = columns_read.values("time", bare=not has_units)
     kept = _window(time, start, stop, columns_read.unit("time"))
     moved = {role: columns_read.values(role, bare=not has_units)[kept] for role in motions}
+    how: dict[str, Any] = {}
     if "friction" in by_role:
         friction = columns_read.values("friction")[kept]
     else:
         parts = [f"{kind} {ratios[0]}" for kind in ("shear", "normal")]
         bare = not any(map(columns_read.unit, parts))
         shear, normal = (columns_read.values(part, bare=bare)[kept] for part in parts)
-        _refuse_change(time[kept], normal, parts[1], columns_read.unit(parts[1]), name)
+        how = {"normal": _changing(time[kept], normal, parts[1], columns_read.unit(parts[1]), name)}
         friction = shear / normal
-    how: dict[str, Any] = {"strength_at_rest": strength_at_rest, "si": has_units, "source": name}
+    how |= {"strength_at_rest": strength_at_rest, "si": has_units, "source": name}
     for part in ("normal stress", "normal force"):
         if part in by_role and columns_read.unit(part):
             values = columns_read.values(part)[kept]
-            _refuse_change(time[kept], values, part, columns_read.unit(part), name)
+            how["normal"] = _changing(time[kept], values, part, columns_read.unit(part), name)
             how[part.replace(" ", "_")] = float(values.mean())
     lengths = [columns_read.unit(role).partition("/")[0] for role in motions]
     how |= {"read": columns_read.read, "units": (columns_read.unit("time"), lengths[0])}
@@ -189,15 +187,11 @@ def _window(time: Floats, start: object, stop: object, unit: str) -> NDArray[np.
     return np.asarray(kept)
 
 
-def _refuse_change(time: Floats, normal: Floats, quantity: str, unit: str, name: str) -> None:
-    """Refuse a normal stress or force that is not above 0, or changes by more than its noise."""
-    low, high = np.quantile(normal, [0.01, 0.99])
-    scale = 1.0 if not unit else si.factor(unit, "Pa" if "stress" in quantity else "N") or 1.0
-    got = f"{low / scale:.4g} to {high / scale:.4g} {unit}".strip()
-    if high <= 0:
+def _changing(time: Floats, normal: Floats, quantity: str, unit: str, name: str) -> Floats | None:
+    """A normal stress or force over its mean, if it changes by more than its noise; it must be above 0."""
+    if normal.min() <= 0:
+        scale = 1.0 if not unit else si.factor(unit, "Pa" if "stress" in quantity else "N") or 1.0
+        got = f"{normal.min() / scale:.4g} to {normal.max() / scale:.4g} {unit}".strip()
         advice = "a calibration with the zero of each column, in bits"
         raise InputError(name, expected=f"a {quantity} above 0", got=got, advice=advice)
-    if high - low > max(_CONSTANT * abs(normal.mean()), _NOISE * variance(time, normal) ** 0.5):
-        expected = f"a constant {quantity}, as these laws do not describe a changing one"
-        advice = "a part of the record, start=... and stop=..."
-        raise InputError(name, expected=expected, got=got, advice=advice)
+    return normal / normal.mean() if changes(time, normal) else None

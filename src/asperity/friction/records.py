@@ -14,6 +14,7 @@ from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.friction.laws import timetable
 from asperity.friction.loading import STEP, Drive, drive_of, drive_of_slip
+from asperity.friction.normal_stress import changes
 
 RUN_IN, HOLD, STEPPED = 0, 1, 2
 """Kinds of events."""
@@ -27,6 +28,7 @@ class About(TypedDict, total=False):
     si: bool
     normal_stress: float | None
     normal_force: float | None
+    normal: Floats | None
     source: str
     read: str
     units: tuple[str, str]
@@ -55,6 +57,9 @@ class Record(views.Brief):
         Whether times are in s and lengths in m; else they are in units of the simulation.
     normal_stress, normal_force
         Mean normal stress (Pa) and force (N), if they are known, for the unit of a stiffness.
+    normal
+        Normal stress or force over its mean, shape (n,), if it changes; else None. A fit needs the stiffness
+        of the machine then.
     load_point, slip
         Measured displacements, with noise, of the load point of a machine and of the slider, shape (n,); or
         None.
@@ -73,6 +78,7 @@ class Record(views.Brief):
     si: bool = field(default=True, kw_only=True)
     normal_stress: float | None = field(default=None, kw_only=True)
     normal_force: float | None = field(default=None, kw_only=True)
+    normal: Floats | None = field(default=None, kw_only=True)
     source: str = field(default="", kw_only=True)
     load_point: Floats | None = field(default=None, kw_only=True)
     slip: Floats | None = field(default=None, kw_only=True)
@@ -88,6 +94,12 @@ class Record(views.Brief):
             raise InputError("friction", expected=expected, got=friction.size)
         for name, values in (("time", time), ("velocity", velocity), ("friction", friction)):
             object.__setattr__(self, name, values)
+        if self.normal is not None:
+            normal = checks.positive("normal", checks.line("normal", self.normal))
+            if normal.size != time.size:
+                expected = f"one for each of the {time.size} times"
+                raise InputError("normal", expected=expected, got=normal.size)
+            object.__setattr__(self, "normal", normal)
         if not self.si:
             object.__setattr__(self, "units", ("", ""))
 
@@ -115,6 +127,8 @@ class Record(views.Brief):
             raise InputError("displacement", expected="one for each time and friction", got=got)
         kept = ~after_slips(times, places)
         times, places, values = times[kept], places[kept], values[kept]
+        if (normal := about.get("normal")) is not None:
+            about["normal"] = checks.line("normal", normal)[kept]
         falls = np.diff(places) < 0
         if falls.any():
             at = int(np.argmax(falls))
@@ -163,7 +177,10 @@ class Record(views.Brief):
             raise InputError(name, expected="three displacements or more, one for each", got=got)
         timetable(times, np.zeros_like(times))
         if name == "slip":
-            driven, compliance = drive_of_slip(times, places[name], values)
+            normal = about.get("normal")
+            driven, compliance = drive_of_slip(
+                times, places[name], values * (1.0 if normal is None else normal)
+            )
             if compliance == 0 and not (np.diff(places[name]) < 0).any():
                 return cls.of_displacement(times, places[name], values, **about)
         else:
@@ -212,6 +229,11 @@ class Record(views.Brief):
     def displacement(self) -> Floats:
         """Slip since the first time, shape (n,)."""
         return np.cumsum(self.velocity * np.diff(self.time, prepend=self.time[0]))
+
+    @property
+    def presses_anew(self) -> bool:
+        """Whether the normal stress changes."""
+        return self.normal is not None and changes(self.time, self.normal)
 
     @property
     def finest_slip(self) -> float:

@@ -19,7 +19,14 @@ from asperity.friction.records import Record
 _OPEN = 100.0
 """Relative standard error above which a parameter is not determined."""
 
-_NAMES = (("mu_0", "mu_0"), ("a", "a"), ("b", "b"), ("D_c", "D_c"), ("a - b", "a_minus_b"))
+_NAMES = (
+    ("mu_0", "mu_0"),
+    ("a", "a"),
+    ("b", "b"),
+    ("D_c", "D_c"),
+    ("a - b", "a_minus_b"),
+    ("alpha", "alpha"),
+)
 
 
 @views.defines(StateLaws.rows)
@@ -116,6 +123,8 @@ def _law(laws: StateLaws, law: StateLaw) -> list[Row]:
     record, fit = laws.record, laws.fits[law]
     rows = [Row(f"{law} law", "mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)")]
     for text, name in _NAMES:
+        if name not in laws.estimates[law]:
+            continue
         estimate = laws.estimates[law][name]
         value, stderr, low, high = (
             float(part) for part in (estimate.value, estimate.stderr, estimate.low, estimate.high)
@@ -124,7 +133,7 @@ def _law(laws: StateLaws, law: StateLaw) -> list[Row]:
         row = Row(f"  {text}", value, unit, (low, high), error=stderr)
         if name == "a" and fit.a_stderr == 0:
             row = Row(f"  {text}", value, note=", as given")
-        elif (name == "D_c" and not fit.determined) or stderr > _OPEN * abs(value):
+        elif (name in ("D_c", "alpha") and not fit.determined) or stderr > _OPEN * abs(value):
             row = Row(f"  {text}", "not determined by this record")
         rows.append(row)
     V_0 = written(fit.V_0, "m/s" if record.si else "1")
@@ -138,7 +147,7 @@ def _verdict(laws: StateLaws) -> str:
         preference = f"the surfaces prefer the {laws.verdict} law"
         return f"{preference if laws.verdict != 'undecided' else 'undecided between the laws'} ({scatter})"
     if laws.verdict == "undecided":
-        return "undecided: these data do not tell the aging law from the slip law"
+        return f"undecided: {laws.doubt or 'these data do not tell the aging law from the slip law'}"
     other = "slip" if laws.verdict == "aging" else "aging"
     odds = f"{laws.relative_likelihood:.1g}" if laws.relative_likelihood > 1e-6 else "less than 1e-6"
     return f"the data prefer the {laws.verdict} law: the {other} law is {odds} times as likely"

@@ -14,13 +14,17 @@ from asperity.friction.machine import FINE, Machine
 from asperity.friction.slider import RunsAwayError
 
 _STARTS = {"a": (0.03, 0.1, 0.3), "b": (0.7, 1.3), "D_c": (1e-3, 0.01, 0.03, 0.1, 0.3, 1.0), "k": (0.7, 2.0)}
-"""Starts: a over the range of friction, b/a, D_c over the median slide, k over the observed slope."""
+_STARTS |= {"alpha": (0.1, 0.4)}
+"""Starts: a over the range of friction, b/a, D_c over the median slide, k over the observed slope, alpha."""
 
 _POLISHED, _FIRST, _FREE, _LAST = 3, 8, 16, 60
 """Number of starts to follow; evaluations for each, for the best with free kinks, and in the last search."""
 
 _BEFORE = 5
 """Rows before a kink, whose median friction is that at the kink."""
+
+_GREW = 0.01
+"""Growth of the normal stress, over its mean, that stops a slider."""
 
 _ROUNDS = 3
 """Searches, each with the noise after the one before."""
@@ -72,7 +76,8 @@ def _starts(machine: Machine) -> list[Floats]:
     starts: list[tuple[float, int, Floats]] = []
     for parts in product(*(_STARTS[name] for name in machine.names)):
         chosen = dict(zip(machine.names, parts, strict=True))
-        numbers = {name: math.log(scales[name] * part) for name, part in chosen.items() if name != "b"}
+        numbers = {name: math.log(scales[name] * part) for name, part in chosen.items() if name in scales}
+        numbers |= {"alpha": chosen.get("alpha", 0.0)}
         a = math.exp(numbers["a"]) if machine.a is None else machine.a or size
         numbers["b"] = chosen["b"] * a
         point = np.concatenate([[numbers[name] for name in machine.names], machine.drive.kinks])
@@ -86,15 +91,22 @@ def _starts(machine: Machine) -> list[Floats]:
 
 
 def _stiffness_seen(machine: Machine) -> float:
-    """Slope of friction against the load point, to half of its change, where this speeds up or else slows."""
+    """Slope of friction against the load point, to half of its change, where this speeds up or else slows.
+
+    Where a normal stress stops growing, the slider has stopped, as if the load point sped up from rest.
+    """
     slopes: dict[bool, list[float]] = {True: [], False: []}
-    drive, edges = machine.drive, machine.drive.edges(machine.time)
-    for n, change in enumerate(np.diff(drive.velocity).tolist()):
+    drive, friction, edges = machine.drive, machine.friction, machine.drive.edges(machine.time)
+    velocity = drive.velocity
+    if machine.normal is not None:
+        friction, edges = friction * machine.normal.at(machine.time), machine.normal.edges(edges)
+        velocity = np.where(np.diff(machine.normal.at(edges)) > _GREW, 0.0, drive.along(edges))
+    for n, change in enumerate(np.diff(velocity).tolist()):
         rows = (machine.time >= edges[n + 1]) & (machine.time <= edges[n + 2])
-        if rows.sum() > 3:
+        if change and rows.sum() > 3:
             first, row = int(np.argmax(rows)), float(np.diff(machine.time[rows]).mean())
-            before = float(np.median(machine.friction[max(0, first - _BEFORE) : first + 1]))
-            rise = (machine.friction[rows] - before) * math.copysign(1.0, change)
+            before = float(np.median(friction[max(0, first - _BEFORE) : first + 1]))
+            rise = (friction[rows] - before) * math.copysign(1.0, change)
             at = int(np.argmax(rise >= rise.max() / 2))
             slopes[change > 0].append(
                 rise[at] / abs(change) / max(machine.time[rows][at] - edges[n + 1], row / 2)

@@ -4,6 +4,11 @@ r"""A slider with rate-and-state friction, pulled by a spring.
     aging law   ds/dt = (V_1 exp(-s) - V)/D_c
     slip law    ds/dt = -(V/D_c) (w + s)
 
+Under a normal stress that changes, sigma over its mean, k/sigma replaces k, and (M. F. Linker, J. H.
+Dieterich, J. Geophys. Res. 97, 4923 (1992), doi:10.1029/92JB00017)
+
+    d mu/dt = ... - mu d ln sigma/dt,    ds/dt = ... - (alpha/b) d ln sigma/dt
+
 The load point moves at constant V_lp between kinks, V_1 before the first, at which the slider moves steadily.
 LSODA integrates w and s (A. C. Hindmarsh, Scientific Computing, 55 (1983); `scipy.integrate.odeint`).
 """
@@ -22,6 +27,7 @@ from scipy.integrate import ODEintWarning, odeint
 from asperity.base.checks import Floats
 from asperity.friction.laws import StateLaw
 from asperity.friction.loading import Drive
+from asperity.friction.normal_stress import NormalStress
 
 _TOLERANCE = 1e-8
 _STEPS = 3000
@@ -31,6 +37,9 @@ _FORGOTTEN = 1e-7
 """Difference of w and s at a kink below which two courses are the same from there on."""
 
 
+Rate = Callable[..., tuple[float, float]]
+
+
 class Shape(NamedTuple):
     """Parameters of a course, besides the drive."""
 
@@ -38,6 +47,7 @@ class Shape(NamedTuple):
     b: float
     D_c: float
     k: float
+    alpha: float = 0.0
 
 
 class RunsAwayError(Exception):
@@ -46,31 +56,53 @@ class RunsAwayError(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """States (w, s) at each time, shape (n, 2), and at the beginning and each kink."""
+    """States (w, s) at each time, shape (n, 2), and at the beginning and each kink; the normal stress."""
 
     states: Floats
     starts: tuple[Floats, ...]
+    time: Floats
+    normal: NormalStress | None = None
 
     def elastic(self, shape: Shape) -> Floats:
         """Return a w + b s, the change of friction since the beginning, shape (n,)."""
         return np.asarray(self.states @ np.array([shape.a, shape.b]))
 
+    def stretch(self, shape: Shape) -> Floats:
+        """Return the lengthening of the spring since the beginning, shape (n,)."""
+        elastic, normal = self.elastic(shape), self.normal
+        if normal is None:
+            return elastic / shape.k
+        sigma = normal.at(self.time)
+        return np.asarray((sigma * (normal.friction + elastic) - sigma[0] * normal.friction) / shape.k)
+
 
 def follow(
-    law: StateLaw, shape: Shape, drive: Drive, time: Floats, base: Course | None = None, kink: int = 0
+    law: StateLaw,
+    shape: Shape,
+    drive: Drive,
+    time: Floats,
+    base: Course | None = None,
+    kink: int = 0,
+    normal: NormalStress | None = None,
 ) -> Course:
     """Integrate through a record; `RunsAwayError` if that fails, as in stick-slip.
 
-    If only one `kink` differs from a `base`, only the differing part of the course is integrated.
+    If only one `kink` differs from a `base`, only the differing part of the course is integrated, unless the
+    normal stress changes.
     """
     edges = drive.edges(time)
     if (np.diff(edges) <= 0).any():
         raise RunsAwayError
-    rows = np.concatenate([[0], np.searchsorted(time, drive.kinks), [time.size]])
+    if normal is not None:
+        base, kink, edges = None, 0, normal.edges(edges)
+    velocity = drive.along(edges)
+    rows = np.concatenate([[0], np.searchsorted(time, edges[1:-1]), [time.size]])
     states = np.empty((time.size, 2)) if base is None else base.states.copy()
     starts: list[Floats] = [np.zeros(2)] if base is None else list(base.starts[: kink + 1])
-    for n in range(kink, drive.velocity.size):
-        rate = _rate(law, shape, float(drive.velocity[n]), float(drive.velocity[0]))
+    for n in range(kink, velocity.size):
+        rate = _rate(law, shape, float(velocity[n]), float(velocity[0]))
+        if normal is not None:
+            rate = _pressed(rate, shape, normal, edges[n : n + 2], float(velocity[n]), float(velocity[0]))
         inside = slice(rows[n], rows[n + 1])
         states[inside], end = _integrated(rate, starts[n], time[inside] - edges[n], edges[n + 1] - edges[n])
         starts.append(end)
@@ -78,12 +110,12 @@ def follow(
             states[rows[n + 1] :] = base.states[rows[n + 1] :]
             starts.extend(base.starts[n + 2 :])
             break
-    return Course(states, tuple(starts))
+    return Course(states, tuple(starts), time, normal)
 
 
-def _rate(law: StateLaw, shape: Shape, pulled: float, first: float) -> Callable[..., tuple[float, float]]:
+def _rate(law: StateLaw, shape: Shape, pulled: float, first: float) -> Rate:
     """Derivatives of w and s at the velocity `pulled` of the load point."""
-    a, b, D_c, k = shape
+    a, b, D_c, k, _ = shape
     exp, aging = math.exp, law == "aging"
 
     def rate(y: Floats, _: float) -> tuple[float, float]:
@@ -95,9 +127,26 @@ def _rate(law: StateLaw, shape: Shape, pulled: float, first: float) -> Callable[
     return rate
 
 
-def _integrated(
-    rate: Callable[..., tuple[float, float]], start: Floats, times: Floats, end: float
-) -> tuple[Floats, Floats]:
+def _pressed(
+    constant: Rate, shape: Shape, normal: NormalStress, ends: Floats, pulled: float, first: float
+) -> Rate:
+    """The same under a normal stress that is linear in time between two times."""
+    a, b, _, k, alpha = shape
+    start, end = normal.at(ends).tolist()
+    slope, exp = (end - start) / float(ends[1] - ends[0]), math.exp
+
+    def rate(y: Floats, t: float) -> tuple[float, float]:
+        w, s = y
+        faster, grown = constant(y, t)
+        sigma = start + slope * t
+        spring = k * (pulled - first * exp(w)) * (1 / sigma - 1)
+        more = spring - (normal.friction + a * w + b * s - alpha) * slope / sigma
+        return faster + more / a, grown - (alpha / b * slope / sigma if slope else 0.0)
+
+    return rate
+
+
+def _integrated(rate: Rate, start: Floats, times: Floats, end: float) -> tuple[Floats, Floats]:
     """States at the times since 0, and at the end."""
     initial = int(np.searchsorted(times, 1e-9 * end))  # rows at time 0, which LSODA refuses
     with warnings.catch_warnings():

@@ -2,7 +2,8 @@
 
 from asperity.base.calls import answered as _answered
 from asperity.inference.figures import inference_page, inference_pictures
-from asperity.inference.inferring import Inference, infer
+from asperity.inference.found import Inference
+from asperity.inference.inferring import infer
 from asperity.inference.models import Model
 from asperity.inference.priors import Prior
 from asperity.inference.verdicts import Candidate, Combination, Verdict

@@ -13,8 +13,8 @@ from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.figures import style
 from asperity.figures.page import Picture, pictures_of, written_page
-from asperity.inference.inferring import Inference
-from asperity.inference.verdicts import EXCLUDED
+from asperity.inference.found import Inference
+from asperity.inference.leastsquares import LIMIT
 
 _COLUMNS = 3
 _BINS = 41
@@ -83,7 +83,7 @@ def parameters_figure(inference: Inference) -> style.Drawing:
             axes.stairs(counts / counts.max(), steps, label=label, **look)
         at, deviance = inference.profiles[name]
         axes.plot(at, np.exp(-deviance / 2), color=style.VERMILION, linewidth=1.3, label="profile likelihood")
-        axes.axhline(EXCLUDED, color=style.VERMILION, linewidth=0.6, linestyle=":")
+        axes.axhline(np.exp(-LIMIT / 2), color=style.VERMILION, linewidth=0.6, linestyle=":")
         unit = f" [{verdict.unit}]" if verdict.unit else ""
         axes.set_title(f"{name}{unit}\n{verdict.verdict}")
         axes.set_yticks([])
@@ -105,7 +105,7 @@ def corner_figure(inference: Inference) -> style.Drawing:
     side, shares = max(len(drawn), 2), np.array([0.025, 0.5, 0.975])
     figure = style.Drawing(figsize=2 * (min(1.8 * side, style.PAGE),))
     figure.table = {"quantile": shares} | {name: np.quantile(x, shares) for name, x in drawn.items()}
-    figure.elsewhere = "the samples in posterior.nc"
+    figure.elsewhere = "the samples in posterior.nc" if inference.sampled else "draws along profiles"
     panels = figure.subplots(len(drawn), len(drawn), sharex="col", squeeze=False)
     for row, (name, values) in enumerate(drawn.items()):
         for column, (other, across) in enumerate(drawn.items()):
@@ -128,10 +128,10 @@ def inference_pictures(found: Inference) -> dict[str, Picture]:
     checks.instance("found", found, Inference, "asperity.infer(time, area, error)")
     captions = {
         "curve": "The data, and the curve to ten times the last of them.",
-        "parameters": "Each parameter: its prior (gray), its posterior (blue), and its profile likelihood, "
-        "which falls below the dotted line outside of a 95 % interval. Where the blue fills the gray, the "
-        "data tell nothing.",
-        "corner": "Samples of the posterior: every pair of parameters that the curve contains.",
+        "parameters": "Each parameter: its prior (gray), draws of its posterior (blue), and its profile "
+        "likelihood, which falls below the dotted line outside of a 95 % interval. Where the blue fills the "
+        "gray, the data tell nothing.",
+        "corner": "Draws of the posterior: every pair of parameters that the curve contains.",
     }
     makers = {"curve": curve_figure, "parameters": parameters_figure, "corner": corner_figure}
     return pictures_of({name: (captions[name], partial(make, found)) for name, make in makers.items()})

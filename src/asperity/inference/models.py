@@ -13,7 +13,8 @@ A curve is a size times a growth. Light contacts of separable solids, by J the c
     eyring      s(first)/s(t), s = stress ln(2 length/(rate t)): `asperity.theory.flowing_area`
                 size = load/s(first)
     healing     static friction, 1 + (B/scale) ln(1 + t/time)
-    ball        depth^(3/2) or contact radius^3 of a ball under a held load, J(t)/J(0) as in relaxation
+    held        force at a held depth, E(t)/E(0) of a Maxwell solid
+    ball        depth^(3/2), contact radius^3 or area^(3/2) of a ball under a held load, J(t)/J(0)
                 size = `asperity.theory.hertz` (E. H. Lee, J. R. M. Radok, J. Appl. Mech. 27, 438 (1960),
                 doi:10.1115/1.3644020)
 
@@ -29,7 +30,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import RectBivariateSpline
 from scipy.ndimage import map_coordinates
 
@@ -58,6 +59,10 @@ _RATIOS, _TIMES = (1e-2, 1e2), (1e-8, 1e16)
 """Ranges of k1/k0 and of k0 R t in which the lattice's compliance is tabulated."""
 
 
+def _nothing(_: Values) -> float:
+    return 0.0
+
+
 @dataclass(frozen=True)
 class Model:
     """A curve, and its parameters with their priors.
@@ -69,8 +74,8 @@ class Model:
         the radius of its contact.
     size
         The value before any growth, in absolute units; or None.
-    allowed
-        Whether sets of parameters are allowed.
+    excess
+        By how much sets of parameters leave what is allowed, shape (m, ...); at most 0 inside.
     held
         Load at a held displacement over its first value; None without a closed form.
     solid
@@ -85,7 +90,7 @@ class Model:
     growth: Curve
     priors: dict[str, Prior]
     size: Callable[[Values], Floats] | None = None
-    allowed: Callable[[Values], bool | NDArray[np.bool_]] = bool
+    excess: Callable[[Values], Floats | float] = _nothing
     held: Curve | None = None
     solid: Callable[[Mapping[str, float]], dict[str, object]] | None = None
     ramp: float = 0.0
@@ -115,7 +120,7 @@ def of_name(
     branches: int,
     absolute: bool,
     ramp: float = 0.0,
-    quantity: str = "area",
+    quantity: str | None = None,
 ) -> Model:
     """Make a model by its name, with default priors that are wide for the data; or of a user's function."""
     if ramp and name not in (*CREEP, "ball"):
@@ -128,7 +133,7 @@ def of_name(
     checks.choice("model", name, (*MODELS, "ball", "a function of time and parameters"))
     ends = float(time[time > 0][0]), float(time[-1])
     built = MODELS["relaxation" if name == "ball" else str(name)](*ends, branches)
-    if quantity in OF_BALL:
+    if quantity is not None:
         creep = {key: prior for key, prior in built.priors.items() if key not in _BODY}
         size = functools.partial(_of_ball, quantity=quantity)
         named = built.name if name in CREEP[1:] else "ball"
@@ -140,7 +145,7 @@ def of_name(
             **ranges,
         }
     elif built.size is None:
-        raise InputError("absolute", expected="areas, for friction has no unit", got=f"model {name!r}")
+        raise InputError("absolute", expected="none, for only ratios count", got=f"model {name!r}")
     for key, stated in (priors or {}).items():
         if key not in ranges:
             expected = f"a parameter: {', '.join(ranges)}"
@@ -171,13 +176,14 @@ _BALL = {
     "modulus": _MODULUS,
     "radius": Prior("log_uniform", 1e-9, 1.0, "m"),
 }
-OF_BALL = {"depth": 2 / 3, "radius": 1 / 3}
-"""Measured quantities of a ball, and their powers of J."""
+OF_BALL = {"depth": 2 / 3, "radius": 1 / 3, "area": 2 / 3}
+"""Measured quantities of a ball under a held load, and their powers of J."""
 
 
 def _of_ball(p: Values, *, quantity: str) -> Floats:
     contact = hertz(p["load"], modulus=p["modulus"], radius=p["radius"])
-    return contact.approach if quantity == "depth" else contact.contact_radius
+    radius = contact.contact_radius
+    return {"depth": contact.approach, "radius": radius, "area": np.pi * radius**2}[quantity]
 
 
 def _of_body(p: Values) -> Floats:
@@ -205,7 +211,7 @@ def relaxation(first: float, last: float, branches: int) -> Model:
     numbers = range(1, branches + 1)
     priors = _BODY | {f"share_{n}": Prior("uniform", 0.0, 1.0) for n in numbers}
     priors |= {f"time_{n}": Prior("log_uniform", first / 100, 100 * last, "s") for n in numbers}
-    return Model("relaxation", _maxwell, priors, _of_body, _rising, _maxwell_held, _maxwell_solid)
+    return Model("relaxation", _maxwell, priors, _of_body, _beyond, _maxwell_held, _maxwell_solid)
 
 
 def _branches(p: Values) -> tuple[Floats, Floats]:
@@ -215,9 +221,10 @@ def _branches(p: Values) -> tuple[Floats, Floats]:
     return np.stack(shares, -1), np.stack(times, -1)
 
 
-def _rising(p: Values) -> NDArray[np.bool_]:
+def _beyond(p: Values) -> Floats:
+    """By how much shares sum to more than 1, and times fall, in ln."""
     shares, times = _branches(p)
-    return np.asarray((np.diff(times) > 0).all(-1) & (shares.sum(-1) <= 1))
+    return np.column_stack([shares.sum(-1) - 1, -np.diff(np.log(times))])
 
 
 def _maxwell(time: Floats, p: Values) -> Floats:
@@ -228,7 +235,7 @@ def _maxwell(time: Floats, p: Values) -> Floats:
     retardation rates.
     """
     shares, times = _branches(p)
-    root = np.sqrt(shares / times)
+    root = np.sqrt(np.maximum(shares, 0) / times)  # a difference may begin beyond 0
     matrix = root[:, :, None] * root[:, None, :] - np.eye(times.shape[1]) / times[:, :, None]
     minus, vectors = np.linalg.eigh(matrix)
     weights = (root[:, None, :] @ vectors)[:, 0] ** 2  # of (1 - exp(-rate t))/rate
@@ -243,7 +250,15 @@ def _maxwell_held(time: Floats, p: Values) -> Floats:
 
 def _maxwell_solid(p: Mapping[str, float]) -> dict[str, object]:
     shares, times = _branches({name: np.array(value) for name, value in p.items()})
+    shares = shares / max(shares.sum(), 1.0)  # a search exceeds 1 a little
     return _half_space(p, branches=_rounded(zip(shares.tolist(), times.tolist(), strict=True)))
+
+
+def held(first: float, last: float, branches: int) -> Model:
+    """Force of a half-space at a held depth, with relaxation times in rising order."""
+    made = relaxation(first, last, branches)
+    priors = {name: prior for name, prior in made.priors.items() if name not in _BODY}
+    return replace(made, name="held", growth=_maxwell_held, priors=priors, size=None, held=None)
 
 
 def power(first: float, last: float, _: int) -> Model:
@@ -330,18 +345,20 @@ def eyring(first: float, last: float, _: int) -> Model:
         at(_eyring, first=first),
         priors,
         at(_of_flow, first=first),
-        allowed=at(_flows, last=last),
+        excess=at(_held_up, last=last),
         solid=_eyring_solid,
     )
 
 
 def _pressure(time: Floats | float, p: Values) -> Floats:
     """Pressure of the contacts over the stress of Eyring's law."""
-    return np.asarray(np.log(2 * p["length"] / p["rate"])[:, None] - np.log(time))
+    pressure = np.log(2 * p["length"] / p["rate"])[:, None] - np.log(time)
+    return np.asarray(np.where(pressure < 1, np.exp(np.minimum(pressure, 1) - 1), pressure))  # finite below
 
 
-def _flows(p: Values, *, last: float) -> NDArray[np.bool_]:
-    return _pressure(last, p)[:, 0] > 1
+def _held_up(p: Values, *, last: float) -> Floats:
+    """By how much the pressure is below the stress of the law, over this."""
+    return 1 - _pressure(last, p)[:, 0]
 
 
 def _of_flow(p: Values, *, first: float) -> Floats:
@@ -394,10 +411,13 @@ def _own_curve(time: Floats, p: Values, *, function: Callable[..., ArrayLike]) -
     return np.array(curves, dtype=np.float64).reshape(-1, time.size)
 
 
+OF_BRANCHES = ("relaxation", "ball", "held")
+"""Models of relaxation times."""
+
 CREEP = ("relaxation", "power", "logarithm")
 """Models of a separable half-space."""
 
 MODELS: dict[str, Callable[[float, float, int], Model]] = {
-    make.__name__: make for make in (relaxation, power, logarithm, lattice, eyring, healing)
+    make.__name__: make for make in (relaxation, held, power, logarithm, lattice, eyring, healing)
 }
 """Models by name: functions of the first and the last time and a number of branches."""

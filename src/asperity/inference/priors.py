@@ -85,7 +85,7 @@ class Prior:
     def at(self, x: Floats) -> Floats:
         """Values at coordinates x: from 0 to 1 between ends, else in standard deviations."""
         if self.logarithmic:
-            return np.asarray(self.first * (self.second / self.first if self.bounded else self.second) ** x)
+            return np.asarray(self.first ** (1 - x if self.bounded else 1.0) * self.second**x)
         return np.asarray(self.first + (self.second - self.first if self.bounded else self.second) * x)
 
     def drawn(self, random: np.random.Generator, count: int) -> Floats:

@@ -3,33 +3,39 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from asperity.base import views
 from asperity.base.checks import Floats
-from asperity.base.words import counted
-from asperity.errors import ConvergenceError, InputError
+from asperity.errors import InputError
 from asperity.fits.comparison import UNLIKELY, lack_of, price_of
 from asperity.fits.result import rms
-from asperity.inference.models import CREEP, MOST_BRANCHES, Model
-from asperity.inference.sampling import Problem, sample
+from asperity.inference.leastsquares import best_fit
+from asperity.inference.problem import Problem
 
 ACCEPTED = -2 * math.log(UNLIKELY)
 """AICc over the least, below which a model is acceptable: it is at least 0.05 times as likely as the best."""
 
-_STARTS, _TRIED = 3, 2000
+Plan = tuple[str, int, Problem]
+"""A model to try: its words, its number of relaxation times (0 for another creep), and the problem."""
+
 _HELD, _OF = 3, 5
 """Least number of last points that are held out; all points over the held-out ones."""
 
 LEAST_ERROR = 1e-9
 """Least relative error of data: that of rounding."""
 
+CORRELATED = 0.7
+"""Largest correlation of neighboring misfits that is scatter."""
+
 _FACTORS = 10, 100, 1000
 """Times over the last one at which models are compared."""
+
+_STEADY = 0.8
+"""Least ratio of the last third's growth to the second's for which a growth is steady."""
 
 _APART = 3.0
 """Difference, in standard errors, that distinguishes two models."""
@@ -62,30 +68,27 @@ class Rival(views.Brief):
     z: Floats | None = None
 
     @classmethod
-    def fitted(cls, name: str, times: int, problem: Problem, *, informed: bool) -> Rival | None:
-        """Fit a model to data with errors (the values unless ``informed``); None for too few points."""
-        n, needed = problem.time.size, problem.rank + (not informed)  # the scatter is a parameter
+    def fitted(cls, name: str, times: int, problem: Problem) -> Rival | None:
+        """Fit a model; None for too few points."""
+        n, needed = problem.time.size, problem.rank + (not problem.informed)  # the scatter is a parameter
         if n < needed:
             return None
-        at, misfit = best_fit(problem, informed=informed)
-        score, missed = math.inf, math.nan
-        if n > needed + 1:
-            lack = lack_of(misfit, weighted=informed, rounding=LEAST_ERROR)
-            score = n * lack + price_of(n, needed)
+        _, at = best_fit(problem)
+        missed = math.nan
         kept = n - max(_HELD, n // _OF)
         if kept > needed:
             early = {column: getattr(problem, column)[:kept] for column in ("time", "value", "error")}
-            place, _ = best_fit(replace(problem, **early), informed=informed)
+            _, place = best_fit(replace(problem, **early))
             missed = rms(problem.misfit(place[np.newaxis])[0, kept:])
-        return cls(name, score, missed, problem, at, misfit, times)
+        return cls(name, math.inf, missed, problem, at, problem.misfit(at[np.newaxis])[0], times)
 
-    def sampled(self, seed: int) -> Rival:
-        """The model with draws of its posterior, or without if ensembles do not agree."""
-        how: Any = {"walkers": 200, "effective": 200, "agreement": 1.05, "steps": 20, "draws": 250}
-        try:
-            return replace(self, z=sample(self.problem, seed=seed, **how).flat)
-        except ConvergenceError:
-            return self
+    def score(self, share: float) -> float:
+        """AICc, of the share of rows that are independent; infinite for too few."""
+        n, needed = self.misfit.size, self.problem.rank + (not self.problem.informed)
+        if n <= needed + 1:
+            return math.inf
+        lack = lack_of(self.misfit, weighted=self.problem.informed, rounding=LEAST_ERROR)
+        return n * share * lack + price_of(n, needed)
 
     def band(self, time: Floats) -> Floats:
         """2.5, 50 and 97.5 % quantiles of the curve over the draws, or the best fit: shape (3, n)."""
@@ -101,77 +104,71 @@ class Rival(views.Brief):
         return [solid(self.problem.numbers(z)) for z in some]
 
 
-def best_fit(problem: Problem, *, informed: bool = True) -> tuple[Floats, Floats]:
-    """Coordinates of the least squares, and the misfit; searches start from the best draws of the prior."""
-    z = problem.of_prior(np.random.default_rng(0), _TRIED)
-    best = z[np.argsort(problem.log_likelihood(z))[: -_STARTS - 1 : -1]]
-    improved = [problem.improved(start, problem.used, informed=informed) for start in best]
-    _, at = min(improved, key=lambda minimum: minimum[0])
-    return at, problem.misfit(at[np.newaxis])[0]
+def side_by_side(family: Sequence[Plan], others: Sequence[Plan]) -> list[Rival]:
+    """Fit a family of models, of which AICc chooses the first, and others for comparison.
 
-
-def side_by_side(
-    chosen: object,
-    branches: Sequence[int],
-    model_of: Callable[..., Model],
-    data: Mapping[str, Floats],
-    *,
-    informed: bool,
-) -> list[Rival]:
-    """Fit the chosen model, which comes first, and all models of creep unless it is a user's function.
-
-    `model_of` makes a model of its name, a number of branches, and whether it is the chosen one. AICc chooses
-    one of several numbers. `InputError` if the points are too few for the chosen model.
+    Rows whose misfits correlate count less. `InputError` for too few points.
     """
-    family = "relaxation" if chosen == "ball" else chosen
-    plans = [(family, n) for n in branches]
-    if not callable(chosen):
-        plans += [("relaxation", n) for n in range(1, MOST_BRANCHES + 1)] + [(name, 1) for name in CREEP[1:]]
-    tried: dict[tuple[object, int], Rival] = {}
-    for name, n in dict.fromkeys(plans):
-        if chosen == "healing" and name == "logarithm":
-            continue  # the same curve
-        model = model_of(chosen if name == family else name, branches=n, chosen=name == family)
-        problem = Problem(**data, model=model)
+    for _, _, problem in family:
         if not problem.used:
-            raise InputError("model", expected="a curve that depends on its parameters", got=model.name)
-        words, times = (counted(n, "relaxation time"), n) if name == "relaxation" else (model.name, 0)
-        if (rival := Rival.fitted(words, times, problem, informed=informed)) is not None:
-            tried[name, n] = rival
-        elif name == family and n == branches[0]:
-            scatter = " and the scatter" * (not informed)
-            expected = (
-                f"at least {problem.rank + (not informed)} points, for {problem.rank} parameters{scatter}"
+            raise InputError(
+                "model", expected="a curve that depends on its parameters", got=problem.model.name
             )
-            advice = "more points, or fewer parameters"
-            raise InputError("time", expected=expected, got=problem.time.size, advice=advice)
-    family_members = [(family, n) for n in branches if (family, n) in tried]
-    first = min(family_members, key=lambda key: tried[key].aicc)
-    least = min(rival.aicc for rival in tried.values())
-    every = [tried.pop(first), *tried.values()]
-    return [replace(rival, aicc=rival.aicc - least if rival.aicc < math.inf else math.inf) for rival in every]
+    members = [rival for plan in family if (rival := Rival.fitted(*plan)) is not None]
+    if not members:
+        _, _, problem = family[0]
+        scatter = " and the scatter" * (not problem.informed)
+        expected = (
+            f"at least {problem.rank + (not problem.informed)} points, for {problem.rank} parameters{scatter}"
+        )
+        advice = "more points, or fewer parameters"
+        raise InputError("time", expected=expected, got=problem.time.size, advice=advice)
+    every = [*members, *(rival for plan in others if (rival := Rival.fitted(*plan)) is not None)]
+    closest = min(every, key=lambda rival: rms(rival.misfit))
+    rho = 0.0 if closest.problem.informed else min(closest.problem.scatter(closest.at)[1], CORRELATED)
+    scores = [rival.score(min(1.0, (1 - rho) / (1 + rho))) for rival in every]
+    first, lowest = int(np.argmin(scores[: len(members)])), min(scores)
+    order = [first, *(n for n in range(len(every)) if n != first)]
+    return [replace(every[n], aicc=scores[n] - lowest if scores[n] < math.inf else math.inf) for n in order]
 
 
-def with_draws(rivals: Sequence[Rival], problem: Problem, z: Floats, seed: int) -> list[Rival]:
-    """The rivals with the errors of the problem; the first with draws z, acceptable ones with draws.
+def with_draws(
+    rivals: Sequence[Rival], first: Rival, drawn_of: Callable[[Problem, Floats], Floats | None]
+) -> list[Rival]:
+    """The rivals with the errors of the first, which has draws; acceptable ones get draws.
 
     Acceptable models fit nearly as well as the best, or predict the held-out points best. Of several numbers
     of relaxation times only that with the least AICc is acceptable.
     """
-    scale = rivals[0].problem.error / problem.error
+    scale = rivals[0].problem.error / first.problem.error
+    errors = {name: getattr(first.problem, name) for name in ("error", "rho", "counted", "informed")}
     best = min((rival.aicc for rival in rivals if rival.times), default=0.0)
     least_missed = min((rival.missed for rival in rivals if math.isfinite(rival.missed)), default=-math.inf)
     drawn = []
     for n, rival in enumerate(rivals):
         near = rival.aicc < ACCEPTED or rival.missed == least_missed
         counts = n > 0 and near and (not rival.times or rival.aicc == best)
-        changed = replace(rival, misfit=rival.misfit * scale, missed=rival.missed * float(np.median(scale)))
-        if n == 0:
-            drawn.append(replace(changed, problem=problem, z=z))
-        else:
-            changed = replace(changed, problem=replace(rival.problem, error=problem.error))
-            drawn.append(changed.sampled(seed) if counts else changed)
-    return drawn
+        problem = replace(rival.problem, **errors)
+        missed = rival.missed * float(np.median(scale))
+        z = drawn_of(problem, rival.at) if counts else None
+        drawn.append(replace(rival, misfit=rival.misfit * scale, missed=missed, problem=problem, z=z))
+    return [replace(drawn[0], problem=first.problem, at=first.at, z=first.z), *drawn[1:]]
+
+
+def drift_in(first: Rival) -> list[str]:
+    """A remark if the curve rises steadily at its end, as by a drift of the instrument."""
+    problem, last = first.problem, float(first.problem.time[-1])
+    times, values = last * np.arange(4) / 3, problem.values(first.at[np.newaxis])
+    start, begin, middle, end = problem.model.curve(times, values)[0]
+    error = float(np.median(problem.error)) / math.sqrt(max(problem.time.size / 3, 1))
+    if not (end - begin > _APART * error and end - middle > _STEADY * (middle - begin)):
+        return []
+    rate = 300 * (end - middle) / (last * start)
+    return [
+        f"the curve still rises steadily at its end, by {rate:.2g} % of its first value per s: a drift of "
+        "the instrument and a solid that flows cannot be told apart, unless the drift is measured on a stiff "
+        "solid and subtracted, or a second load shows that the rate depends on it"
+    ]
 
 
 def parting(rivals: Sequence[Rival]) -> list[str]:
@@ -196,9 +193,10 @@ def parting(rivals: Sequence[Rival]) -> list[str]:
             f"Measuring to {_FACTORS[n]} times the last time {would} tell them apart: "
             f"there they differ by {100 * most[n]:.2g} %, {most[n] / error:.2g} errors"
         )
-    elif len(rivals) > 1 and math.isfinite(first.aicc):
-        near = min(rivals[1:], key=lambda rival: rival.aicc)
+    unlike = [rival for rival in rivals[1:] if not (first.times and rival.times)]
+    if not others and unlike and math.isfinite(first.aicc):
+        near = min(unlike, key=lambda rival: rival.aicc)
         sentences.append(
-            f"No other model that was tried is acceptable; the next is {near.name}, AICc {near.aicc:+.3g}"
+            f"No other creep that was tried is acceptable; the next is {near.name}, AICc {near.aicc:+.3g}"
         )
     return sentences

@@ -11,7 +11,6 @@ agree, by the rank-normalized R-hat and the effective number of draws (A. Vehtar
 
 from __future__ import annotations
 
-import functools
 import json
 import math
 import warnings
@@ -24,13 +23,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, least_squares
+from scipy.optimize import brentq
 
 from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.base.machine import end_with_parent, unhurried
 from asperity.errors import ConvergenceError, InputError
-from asperity.inference.models import Model
+from asperity.inference.problem import LOST, Problem
 from asperity.progress import Checkpoint
 from asperity.results.checkpoint import Keeper
 
@@ -40,161 +39,6 @@ _LEAST_ROUNDS = 3
 """Rounds with the whole likelihood, in which copies of a walker must separate."""
 _WALKS, _MOVED = 20, 0.9
 """Most walks of a stage, and share of walkers that must have moved, so that copies separate."""
-_TRIED, _STEP, _SINGULAR = 64, 1e-6, 1e-7
-"""Draws of the prior, step of a coordinate, and least relative singular value, for a rank."""
-_CORRELATIONS = np.linspace(-0.3, 0.98, 65)
-"""Correlations of neighbors, with equal prior weight."""
-_NOTHING = 1e-150
-_FAR = 1e9
-"""Misfit, in errors, without a curve."""
-_LOST = -1e300
-"""Logarithm of a likelihood of 0, as a finite number."""
-
-
-@dataclass(frozen=True, eq=False)
-class Problem:
-    """Data with errors, and a model of them."""
-
-    time: Floats
-    value: Floats
-    error: Floats
-    model: Model
-
-    def values(self, z: Floats) -> dict[str, Floats]:
-        """All parameters at coordinates of shape (m, parameters)."""
-        return {
-            name: prior.at(column)
-            for (name, prior), column in zip(self.model.priors.items(), z.T, strict=True)
-        }
-
-    def numbers(self, z: Floats) -> dict[str, float]:
-        """All parameters at coordinates of shape (parameters,)."""
-        return {name: float(x) for name, x in self.values(z).items()}
-
-    def misfit(self, z: Floats) -> Floats:
-        """Curve less data, in errors, shape (m, n); infinite if parameters are not allowed."""
-        values = self.values(z)
-        allowed = np.broadcast_to(self.model.allowed(values), len(z))
-        squares = np.full((len(z), self.time.size), np.inf)
-        if allowed.any():
-            some = {name: column[allowed] for name, column in values.items()}
-            with np.errstate(all="ignore"):
-                squares[allowed] = (self.model.curve(self.time, some) - self.value) / self.error
-        return squares
-
-    def log_likelihood(self, z: Floats) -> Floats:
-        """Of normal errors, without its constant, shape (m,); `_LOST` if parameters are not allowed."""
-        with np.errstate(all="ignore"):
-            squares = (self.misfit(z) ** 2).sum(-1)
-        return np.where(squares < -_LOST, -squares / 2, _LOST)
-
-    @functools.cached_property
-    def used(self) -> list[int]:
-        """Places of the parameters on which the curve depends, found by changing each."""
-        random = np.random.default_rng(0)
-        z = self.of_prior(random, 32)
-        changed = []
-        for place in range(z.shape[1]):
-            other = z.copy()
-            other[:, place] = list(self.model.priors.values())[place].drawn(random, len(z))
-            with np.errstate(all="ignore"):
-                first, second = (self.model.curve(self.time, self.values(draws)) for draws in (z, other))
-            if not np.array_equal(first, second, equal_nan=True):
-                changed.append(place)
-        return changed
-
-    @functools.cached_property
-    def rank(self) -> int:
-        """Number of combinations of the parameters that any number of points would determine."""
-        time = np.geomspace(self.time[self.time > 0][0], self.time[-1], 50)
-        slopes = self._slopes(self.of_prior(np.random.default_rng(0), _TRIED), time)
-        singular = np.linalg.svd(slopes, compute_uv=False)
-        return int((singular > _SINGULAR * singular.max(-1, keepdims=True)).sum(-1).max())
-
-    def _slopes(self, z: Floats, time: Floats) -> Floats:
-        """Relative change of the curve with each used coordinate, at z (m, parameters): (m, used, n)."""
-        center, step = z[:, np.newaxis], _STEP * np.eye(z.shape[1])[self.used]
-        with np.errstate(all="ignore"):
-            up, down, central = (
-                self.model.curve(time, self.values(at.reshape(-1, z.shape[1]))).reshape(*at.shape[:-1], -1)
-                for at in (center + step, center - step, center)
-            )
-            return np.asarray(np.nan_to_num((up - down) / central, posinf=0.0, neginf=0.0))
-
-    def scatter(self, z: Floats) -> tuple[float, float]:
-        """Relative error, and correlation rho of neighbors, about the best fit z; `error` are the values.
-
-        n errors of an autoregressive series of first order count as n (1 - rho)/(1 + rho) independent ones,
-        so errors are larger accordingly. The error is a geometric mean over rho, weighted by the restricted
-        likelihood, which the fit does not bias (H. D. Patterson, R. Thompson, Biometrika 58, 545 (1971), DOI
-        10.1093/biomet/58.3.545).
-        """
-        columns, sizes, _ = np.linalg.svd(self._slopes(z[np.newaxis], self.time)[0].T, full_matrices=False)
-        most = min(self.rank, int(np.sum(sizes > _SINGULAR * sizes[0])), self.time.size - 1)
-        both = np.column_stack([columns[:, :most], self.misfit(z[np.newaxis])[0]])
-        free = self.time.size - most
-        logs, weights = np.empty((2, _CORRELATIONS.size))
-        for n, rho in enumerate(_CORRELATIONS):
-            apart = np.vstack([both[:1], (both[1:] - rho * both[:-1]) / math.sqrt(1 - rho**2)])
-            *others, remaining = np.log(np.maximum(np.abs(np.diag(np.linalg.qr(apart, mode="r"))), _NOTHING))
-            logs[n] = remaining + math.log((1 + rho) / (1 - rho) / free) / 2
-            weights[n] = (1 - self.time.size) / 2 * math.log(1 - rho**2) - sum(others) - free * remaining
-        weights = np.exp(weights - weights.max())
-        return math.exp(weights @ logs / weights.sum()), float(weights @ _CORRELATIONS / weights.sum())
-
-    def of_prior(self, random: np.random.Generator, count: int) -> Floats:
-        """Coordinates of draws of the prior that are allowed, shape (count, parameters)."""
-        drawn = np.empty((0, len(self.model.priors)))
-        for _ in range(1000):
-            size = max(64, count)
-            more = np.stack([prior.drawn(random, size) for prior in self.model.priors.values()], -1)
-            allowed = np.broadcast_to(self.model.allowed(self.values(more)), len(more))
-            drawn = np.concatenate([drawn, more[allowed]])
-            if len(drawn) >= count:
-                return drawn[:count]
-        raise InputError("priors", expected="parameters that the model allows", got="none among 64,000 draws")
-
-    def whole(self, z: Floats) -> Floats:
-        """Coordinates of all parameters, from those of the used ones."""
-        full = np.zeros((len(z), len(self.model.priors)))
-        full[:, self.used] = z
-        return full
-
-    def posterior(self, z: Floats, weight: float = 1.0) -> Floats:
-        """Logarithm of the posterior of the used coordinates, with the likelihood to a power."""
-        whole = self.whole(z)
-        densities = zip(self.model.priors.values(), whole.T, strict=True)
-        prior = sum(marginal.log_density(x) for marginal, x in densities)
-        density = np.full(len(z), _LOST)
-        inside = prior > -np.inf
-        density[inside] = self.log_likelihood(whole[inside])
-        return np.where(density > _LOST, weight * density + prior, -np.inf)
-
-    def improved(
-        self, z: Floats, places: Sequence[int], *, informed: bool = True, beyond: Sequence[int] = ()
-    ) -> tuple[float, Floats]:
-        """Least squares over some of the coordinates, from z, shape (parameters,): sum, and coordinates.
-
-        Priors of used parameters count as data if ``informed``, unless they are `Prior.bounded`: these only
-        limit the search. Those of the places ``beyond`` are five times as wide.
-        """
-        priors = list(self.model.priors.values())
-        informative = [place for place in self.used if informed and not priors[place].bounded]
-        chosen, at = list(places), z.copy()
-
-        def missed(part: Floats) -> Floats:
-            at[chosen] = part
-            residual = np.concatenate([self.misfit(at[np.newaxis])[0], at[informative]])
-            return np.clip(np.where(np.isnan(residual), _FAR, residual), -_FAR, _FAR)
-
-        reach = np.array([prior.reach for prior in priors])
-        reach[list(beyond)] += (-2, 2)
-        low, high = reach[chosen].T
-        point = np.clip(z[chosen], low, high)
-        if chosen:
-            point = least_squares(missed, point, bounds=(low, high), max_nfev=40).x
-        remaining = missed(point)
-        return float(remaining @ remaining), at
 
 
 @dataclass(frozen=True, eq=False)
@@ -284,6 +128,24 @@ def sample(
     )
 
 
+def posterior(z: Floats, problem: Problem, weight: float = 1.0) -> Floats:
+    """Logarithm of the posterior of the used coordinates, with the likelihood to a power."""
+    whole = _whole(problem, z)
+    densities = zip(problem.model.priors.values(), whole.T, strict=True)
+    prior = sum(marginal.log_density(x) for marginal, x in densities)
+    density = np.full(len(z), LOST)
+    inside = prior > -np.inf
+    density[inside] = problem.log_likelihood(whole[inside])
+    return np.where(density > LOST, weight * density + prior, -np.inf)
+
+
+def _whole(problem: Problem, z: Floats) -> Floats:
+    """Coordinates of all parameters, from those of the used ones."""
+    full = np.zeros((len(z), len(problem.model.priors)))
+    full[:, problem.used] = z
+    return full
+
+
 def _advanced(task: tuple[Problem, _Ensemble | None, int, list[int], int]) -> _Ensemble:
     """Raise the power of the likelihood, while the weights are worth half of the walkers; let them walk."""
     problem, ensemble, walkers, seeds, steps = task
@@ -293,8 +155,8 @@ def _advanced(task: tuple[Problem, _Ensemble | None, int, list[int], int]) -> _E
         ensemble = _Ensemble(place, 0.0, np.empty((0, place.shape[1])))
     place, weight = ensemble.place, ensemble.weight
     if weight < 1:
-        likelihood = problem.log_likelihood(problem.whole(place))
-        if not (likelihood > _LOST).any():
+        likelihood = problem.log_likelihood(_whole(problem, place))
+        if not (likelihood > LOST).any():
             raise InputError("priors", expected="some values that the data allow", got="none among thousands")
         added = _weight_added(likelihood, 1 - weight, enough=walkers / 2)
         share = np.exp(added * (likelihood - likelihood.max()))
@@ -304,7 +166,7 @@ def _advanced(task: tuple[Problem, _Ensemble | None, int, list[int], int]) -> _E
     moves = [(emcee.moves.DEMove(), 0.5), (emcee.moves.StretchMove(), 0.5)]
     how = {"kwargs": {"weight": weight}, "vectorize": True, "moves": moves}
     for _ in range(_WALKS):
-        sampler = emcee.EnsembleSampler(*place.shape, problem.posterior, **how)
+        sampler = emcee.EnsembleSampler(*place.shape, posterior, args=(problem,), **how)
         sampler.random_state = np.random.RandomState(random.integers(2**31)).get_state()
         place = sampler.run_mcmc(place, steps, store=False, skip_initial_state_check=True).coords
         if (place != begun).any(1).mean() > _MOVED:

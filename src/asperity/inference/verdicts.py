@@ -10,11 +10,13 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from scipy.stats import chi2
 
 from asperity.base.checks import Floats
+from asperity.fits.result import SURE as LEVEL
+from asperity.inference.leastsquares import LIMIT, ONE_SIDED, Profile, least
 from asperity.inference.models import Curve
-from asperity.inference.sampling import Problem
+from asperity.inference.priors import Prior
+from asperity.inference.problem import Problem
 
 Word = Literal["determined", "bounded", "bounded above", "bounded below", "not identified"]
 WORD: dict[tuple[bool, bool], Word] = {
@@ -29,16 +31,12 @@ WORDS: tuple[Word, ...] = ("determined", *WORD.values())
 FACTOR = 3.0
 """Ratio of the ends of its interval below which a parameter between excluded ends is determined."""
 
-LEVEL = 0.95
-_LIMIT = float(chi2.ppf(LEVEL, 1))
-EXCLUDED = float(np.exp(-_LIMIT / 2))
-"""Density of the posterior over that of the prior, relative to its peak, below which an end is excluded."""
+_NORMAL = math.sqrt(LIMIT)
+"""Half width of the 95 % interval of a normal distribution, in standard deviations."""
 
 _TIGHTER = 3.0
 """Least ratio of the spread of the best known member of a combination to that of the combination."""
 
-_PROFILE, _OUTER, _HALVED = 9, 3, 8
-"""Points of a profile within the posterior and on either side of it, and halvings towards its 95 % level."""
 _STEPS = 7
 """Steps to a value beyond an end."""
 _EARLIER = 100.0
@@ -56,12 +54,13 @@ class Verdict:
         ``"bounded"`` if the data exclude both ends of its prior, ``"determined"`` if also the ends of its
         95 % interval differ by less than a factor of three; ``"bounded above"`` or ``"bounded below"`` if the
         data exclude only the high or the low end; else ``"not identified"``. An end is excluded if the
-        posterior over the prior is below 0.15 of its peak, as a likelihood is outside of a 95 % interval. A
+        profile likelihood is below 0.15 of its peak there, as it is outside of a 95 % interval. A
         parameter that is only known together with an unidentified one is not identified; see `Combination`.
     low, high
-        95 % interval: the middle of the posterior; for a one-sided bound it begins or ends with the prior.
-    median
-        Median of the posterior.
+        95 % interval, by the profile likelihood, or the middle of the posterior if it was sampled; for a
+        one-sided bound it begins or ends with the prior.
+    value
+        Most likely value, or the median of the posterior if it was sampled.
     profile
         The 95 % interval by the profile likelihood, infinite on a side without a limit.
     """
@@ -71,7 +70,7 @@ class Verdict:
     verdict: Word
     low: float
     high: float
-    median: float
+    value: float
     profile: tuple[float, float]
 
     def __str__(self) -> str:
@@ -84,10 +83,10 @@ class Verdict:
         if self.verdict.startswith("bounded "):
             sign, end = ("<", self.high) if self.verdict == "bounded above" else (">", self.low)
             return f"{self.parameter} {sign} {end:.3g}{unit}"
-        low, median, high = distinguishable(self.low, self.median, self.high)
+        low, value, high = distinguishable(self.low, self.value, self.high)
         wide = self.verdict == "bounded" and math.isfinite(self.factor)
         within = f" within a factor of {_plain(self.factor, 2)}" if wide else ""
-        return f"{self.parameter} = {median} [{low}, {high}]{unit}{within}"
+        return f"{self.parameter} = {value} [{low}, {high}]{unit}{within}"
 
     @property
     def factor(self) -> float:
@@ -124,11 +123,16 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """Coordinates z of draws of the posterior, shape (n, parameters), and values of draws of the prior."""
+    """Coordinates z of draws of the posterior, shape (n, parameters), best fit, and profiles by place.
+
+    Intervals are those of the draws if they are ``sampled``, else of the profiles.
+    """
 
     problem: Problem
     z: Floats
-    prior: Mapping[str, Floats]
+    best: Floats
+    followed: Mapping[int, Profile]
+    sampled: bool
 
     @cached_property
     def values(self) -> dict[str, Floats]:
@@ -136,33 +140,72 @@ class Posterior:
         return self.problem.values(self.z)
 
     @cached_property
-    def log_likelihood(self) -> Floats:
-        """Logarithm of the likelihood of each draw."""
-        return self.problem.log_likelihood(self.z)
-
-    @cached_property
     def profiles(self) -> dict[str, tuple[Floats, Floats]]:
         """Profile likelihoods: values, and -2 ln of the likelihood over its largest."""
-        names = list(self.problem.model.priors)
-        return {names[place]: self._profile(place) for place in self.problem.used}
+        named = list(self.problem.model.priors.items())
+        return {
+            named[place][0]: (named[place][1].at(one.at), one.deviance)
+            for place, one in self.followed.items()
+        }
 
     def verdicts(self) -> dict[str, Verdict]:
         """Judge each parameter."""
-        least, _ = self.problem.improved(self._likeliest, self.problem.used)
+        excluded = self._excluded()
         verdicts = {}
         for place, (name, prior) in enumerate(self.problem.model.priors.items()):
-            draws = self.prior[name], self.values[name]
-            excluded, profile = excluded_ends(*draws), (-math.inf, math.inf)
-            if name in self.profiles:
-                excluded = self._by_data_alone(place, excluded, least + _LIMIT)
-                profile = interval_of(*self.profiles[name])
-            low, high = interval_within(excluded, *draws)
-            median = float(np.median(self.values[name]))
-            verdict = Verdict(name, prior.unit, WORD[excluded], low, high, median, profile)
+            ends = excluded.get(place, (False, False))
+            value = np.median(self.z[:, place]) if self.sampled else self.best[place]
+            low, value, high = prior.at(np.insert(self._interval(place, prior, ends), 1, value)).tolist()
+            one = self.followed.get(place)
+            both = np.array([side * math.inf if one is None else one.end(side, LIMIT) for side in (-1, 1)])
+            profile = np.where(np.isfinite(both), prior.at(np.where(np.isfinite(both), both, 0.0)), both)
+            verdict = Verdict(name, prior.unit, WORD[ends], low, high, value, (*profile.tolist(),))
             if verdict.verdict == "bounded" and verdict.factor < FACTOR:
                 verdict = replace(verdict, verdict="determined")
             verdicts[name] = verdict
         return verdicts
+
+    def _interval(self, place: int, prior: Prior, excluded: tuple[bool, bool]) -> Floats:
+        """Coordinates of the ends of the 95 % interval; it goes to an end of a range that is not excluded."""
+        lone, bounds = excluded[0] != excluded[1], prior.reach if prior.bounded else (-_NORMAL, _NORMAL)
+        if self.sampled:
+            tail = (1 - LEVEL) / (1 if lone else 2)
+            ends = np.quantile(self.z[:, place], (tail, 1 - tail))
+        elif place in self.followed:
+            ends = np.array(
+                [self.followed[place].end(side, ONE_SIDED if lone else LIMIT) for side in (-1, 1)]
+            )
+        else:
+            ends = np.array(bounds)
+        return np.where(np.array(excluded) | (not prior.bounded), ends, bounds)
+
+    def _excluded(self) -> dict[int, tuple[bool, bool]]:
+        """Which ends of each prior the data exclude, without those that follow from ranges of other priors.
+
+        An end follows from the data if these exclude a value one interval beyond it while the ranges, of a
+        decade or more, of the other priors are five times as wide.
+        """
+        priors, reach = list(self.problem.model.priors.values()), self.problem.reach
+        wide = np.array([prior.kind == "log_uniform" and prior.second > 10 * prior.first for prior in priors])
+        found = {place: one.excluded(not priors[place].bounded) for place, one in self.followed.items()}
+        tasks = [(place, side) for place, ends in found.items() for side in (-1, 1) if ends[int(side > 0)]]
+        if not tasks:
+            return found
+        begin, aims = [], []
+        for place, side in tasks:
+            one = self.followed[place]
+            low, high = np.clip([one.end(-1, LIMIT), one.end(1, LIMIT)], *reach[place])
+            begin.append(one.z[np.argmin(np.abs(one.at - (high if side > 0 else low)))])
+            aims.append(np.clip(2 * high - low if side > 0 else 2 * low - high, *reach[place]))
+        z, places = np.array(begin), np.array([place for place, _ in tasks])
+        rows, first = np.arange(len(tasks)), z[np.arange(len(tasks)), places].copy()
+        held = np.arange(z.shape[1]) == places[:, None]
+        for share in np.linspace(0, 1, _STEPS)[1:]:  # the others follow in small steps
+            z[rows, places] = first + share * (np.array(aims) - first)
+            squares, z = least(self.problem, z, held=held, beyond=wide & ~held)
+        (lowest,), _ = least(self.problem, self.best[np.newaxis])
+        alone = {task for task, far in zip(tasks, squares >= lowest + LIMIT, strict=True) if far}
+        return {place: ((place, -1) in alone, (place, 1) in alone) for place in found}
 
     def combinations(self) -> tuple[Combination, ...]:
         """Find products, ratios and sums that the data determine better than their members; best first."""
@@ -194,71 +237,6 @@ class Posterior:
             if candidate.tighter > enough and all(other.members != candidate.members for other in kept):
                 kept.append(candidate)
         return tuple(sorted(kept, key=lambda candidate: -candidate.tighter))
-
-    @property
-    def _likeliest(self) -> Floats:
-        return np.asarray(self.z[np.argmax(self.log_likelihood)])
-
-    def _nearest(self, place: int, at: float, count: int) -> Floats:
-        """A copy of the likeliest draws near a coordinate, the best last."""
-        near = np.argsort(np.abs(self.z[:, place] - at))[: len(self.z) // _PROFILE]
-        return np.asarray(self.z[near[np.argsort(self.log_likelihood[near])[-count:]]])
-
-    def _profile(self, place: int) -> tuple[Floats, Floats]:
-        """Profile of one parameter, by searches from draws and from the next point."""
-        prior = list(self.problem.model.priors.values())[place]
-        first, last = prior.reach
-        others = [other for other in self.problem.used if other != place]
-        low, high = np.quantile(self.z[:, place], (0.005, 0.995))
-        reach, best = max(high - low, 1e-6), float(self._likeliest[place])
-        inner = np.clip(np.linspace(low - reach / 3, high + reach / 3, _PROFILE), first, last)
-        outer = np.linspace([first, inner[-1]], [inner[0], last], _OUTER).ravel()
-        computed: dict[float, tuple[float, Floats]] = {}
-
-        def solve(at: float) -> None:
-            starts = [*self._nearest(place, at, 2)]
-            if computed:
-                starts.append(computed[min(computed, key=lambda other: abs(other - at))][1].copy())
-            for start in starts:
-                start[place] = at
-            tried = [self.problem.improved(start, others) for start in starts]
-            computed[at] = min(tried, key=lambda minimum: minimum[0])
-
-        def profile() -> tuple[Floats, Floats]:
-            at = np.array(sorted(computed))
-            squares = np.array([computed[other][0] for other in at])
-            return at, squares - squares.min()
-
-        for at in sorted(np.unique([*inner, *outer, best]), key=lambda at: abs(at - best)):
-            solve(float(at))
-        for _ in range(_HALVED):
-            points, deviance = profile()
-            for crossing in np.flatnonzero(np.diff(deviance > _LIMIT)):
-                solve(float(points[crossing : crossing + 2].mean()))
-        points, deviance = profile()
-        return prior.at(points), deviance
-
-    def _by_data_alone(self, place: int, excluded: tuple[bool, bool], most: float) -> tuple[bool, bool]:
-        """Drop ends that follow from the ranges, of a decade or more, of other priors.
-
-        An end follows from the data if these exclude a value one interval beyond it while the ranges of the
-        other priors are five times as wide.
-        """
-        priors = list(self.problem.model.priors.values())
-        others = [other for other in self.problem.used if other != place]
-        wide = [prior.kind == "log_uniform" and prior.second > 10 * prior.first for prior in priors]
-        beyond = [other for other in others if wide[other]]
-        low, high = _middle(self.z[:, place])
-        still = []
-        for is_excluded, at in zip(excluded, (2 * low - high, 2 * high - low), strict=True):
-            squares = -math.inf
-            if is_excluded:
-                (point,) = self._nearest(place, at, 1)
-                for step in np.linspace(point[place], np.clip(at, *priors[place].reach), _STEPS):
-                    point[place] = step  # the others follow in small steps
-                    squares, point = self.problem.improved(point, others, beyond=beyond)
-            still.append(squares >= most)
-        return still[0], still[1]
 
     def candidates(self, undetermined: Sequence[str]) -> tuple[Candidate, ...]:
         """Weigh experiments by how much each would narrow undetermined parameters, with the present errors.
@@ -299,38 +277,9 @@ class Posterior:
         return tuple(candidates)
 
 
-def excluded_ends(prior: Floats, posterior: Floats) -> tuple[bool, bool]:
-    """Whether posterior draws of a parameter exclude the low and the high end of its prior; shapes (n,)."""
-    share = np.searchsorted(np.sort(prior), posterior) / prior.size  # uniform where the data say nothing
-    low, high = _middle(share)
-    width = max((high - low) / 20, 1 / prior.size)
-    most = np.histogram(share, np.arange(0, 1 + width, width))[0].max()
-    low_end, high_end = (np.count_nonzero(part <= width) for part in (share, 1 - share))
-    return low_end < EXCLUDED * most, high_end < EXCLUDED * most
-
-
-def interval_within(excluded: tuple[bool, bool], prior: Floats, posterior: Floats) -> tuple[float, float]:
-    """The 95 % interval; with one excluded end it extends to the other end of the prior."""
-    if excluded == (False, True):
-        return float(prior.min()), float(np.quantile(posterior, LEVEL))
-    if excluded == (True, False):
-        return float(np.quantile(posterior, 1 - LEVEL)), float(prior.max())
-    return _middle(posterior)
-
-
 def _middle(values: Floats) -> tuple[float, float]:
     low, high = np.quantile(values, ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
     return float(low), float(high)
-
-
-def interval_of(values: Floats, deviance: Floats) -> tuple[float, float]:
-    """Interval in which a profile is below its 95 % level, infinite on a side on which it stays so."""
-    best = int(np.argmin(deviance))
-    ends = []
-    for side, none in ((slice(best, None, -1), -np.inf), (slice(best, None), np.inf)):
-        rising = np.maximum.accumulate(deviance[side])
-        ends.append(float(np.interp(_LIMIT, rising, values[side])) if rising[-1] > _LIMIT else none)
-    return ends[0], ends[1]
 
 
 def distinguishable(*values: float) -> list[str]:

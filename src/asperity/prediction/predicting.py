@@ -15,7 +15,6 @@ import xarray as xr
 from asperity.aging.memory import bytes_a_site
 from asperity.analysis.bands import OfScan, draws_of_solid, effective_load, with_bands
 from asperity.analysis.observation import observe
-from asperity.analysis.tabor import add_friction
 from asperity.ask.prediction import Predict
 from asperity.ask.question import answers
 from asperity.base import checks
@@ -33,6 +32,7 @@ from asperity.relaxation import Material
 from asperity.relaxation import material as material_of
 from asperity.relaxation.materials import relaxing_of
 from asperity.results import History
+from asperity.results.tabor import add_friction
 from asperity.simulate import age, pressed
 from asperity.solids import Solid
 from asperity.surfaces import Surface, read

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -55,6 +56,8 @@ def read(
     units: Units | None = None,
     modulus: Modulus | None = None,
     stress: float | str | None = None,
+    ball_radius: float | str | None = None,
+    ball_depth: float | str | None = None,
     noise: float = 0.05,
 ) -> Measured:
     """Read measured data from a table in a text file, and convert them to s and Pa.
@@ -82,6 +85,9 @@ def read(
         The constant stress of a table of strain against time, Pa or with a unit. Without it, such a table
         gives the compliance up to a factor only; likewise that of a force or a stress at a constant
         deformation the modulus. It is not `absolute` then.
+    ball_radius, ball_depth
+        Of a ball and its held depth, m, for a table of its force F(t): E* = 3 F/(4 sqrt(R d^3)) (Hertz; E. H.
+        Lee, J. R. M. Radok, J. Appl. Mech. 27, 438 (1960), doi:10.1115/1.3644020).
     noise
         Largest relative change in the wrong direction that counts as noise.
 
@@ -109,6 +115,9 @@ def read(
         if factored != "strain":
             raise InputError("stress", expected="none beside a table that has no strain", got=stress)
         numbers[1] = numbers[1] / si.quantity(stress, "Pa", "stress")
+    per_force = _per_force(ball_radius, ball_depth, factored)
+    if per_force is not None:
+        numbers[1], meant = per_force * numbers[1], "contact"
     source, rows = reading.read, np.diff(numbers[0], prepend=np.nan) != 0
     if not rows.all():
         starts = np.flatnonzero(rows)
@@ -117,7 +126,7 @@ def read(
         source += f"; means of rows of equal {_KINDS[chosen].names()[0]}: {starts.size}"
     make = cast(Callable[..., Measured], _KINDS[chosen])
     try:
-        absolute = not factored or stress is not None
+        absolute = not factored or stress is not None or per_force is not None
         return make(*numbers, noise=noise, measured=meant, source=source, absolute=absolute)
     except InputError as error:
         if error.name == "noise":
@@ -156,6 +165,17 @@ def _chosen(columns: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind
         choice = f'kind="relaxation" and columns="0 1", or {header} as their names'
         raise _unclear(columns, choice if any(table.names) else f"a first line such as {header}")
     return fitting[0], [roles.index(role) for role in wanted[fitting[0]]]
+
+
+def _per_force(radius: float | str | None, depth: float | str | None, column: str) -> float | None:
+    """Contact modulus over the force of a ball at a held depth; None if neither is given."""
+    given = {"ball_radius": radius, "ball_depth": depth}
+    lengths = {name: si.quantity(one, "m", name) for name, one in given.items() if one is not None}
+    for name in lengths if column != "force" else ():
+        raise InputError(name, expected="none beside a table that has no force", got=given[name])
+    for name in given.keys() - lengths.keys() if lengths else ():
+        raise InputError(name, expected="radius and held depth of the ball", got="none", cure={name: "1 um"})
+    return 0.75 / math.sqrt(lengths["ball_radius"] * lengths["ball_depth"] ** 3) if lengths else None
 
 
 def _modulus(columns: Columns, places: list[int], asked: Modulus | None) -> Modulus | None:

@@ -30,7 +30,7 @@ from asperity.solids.branches import check_branches
 from asperity.solids.continua import checked_poisson
 
 _READING, _FITTING = (
-    ("kind", "columns", "units", "stress", "noise"),
+    ("kind", "columns", "units", "stress", "ball_radius", "ball_depth", "noise"),
     ("branches", "per_decade", "extrapolate"),
 )
 _SHIFT = ("temperature", "reference", "activation_energy", "wlf", "shift")
@@ -114,6 +114,17 @@ _Stress = Annotated[
     Gt(0),
     Quantity("constant stress of a table of strain against time", "Pa", swept=False),
 ]
+_Radius = Annotated[
+    float | str | None,
+    Gt(0),
+    Quantity(
+        "radius of the ball whose force at a held depth the table has",
+        "m",
+        more=", such as 10um: with the depth it gives the modulus.",
+        swept=False,
+    ),
+]
+_Depth = Annotated[float | str | None, Gt(0), Quantity("held depth of this ball", "m", swept=False)]
 _Branches = Annotated[
     int | None,
     Ge(1),
@@ -181,6 +192,8 @@ def material(
     columns: _Columns = None,
     units: _Units = None,
     stress: _Stress = None,
+    ball_radius: _Radius = None,
+    ball_depth: _Depth = None,
     noise: _Noise = None,
     branches: _Branches = None,
     per_decade: _PerDecade = None,
@@ -204,7 +217,7 @@ def material(
         A relaxation table: a file for `read`, or its result. Or a series; a half-space from
         `asperity.solids.half_space`; a TOML file whose ``[solid]`` is a half-space, such as ``solid.toml`` of
         an inference. None: an elastic half-space of `young` or `modulus`.
-    kind, columns, units, stress, noise
+    kind, columns, units, stress, ball_radius, ball_depth, noise
         Options of `read`. A table that gives the modulus up to a factor needs `young` or `modulus`.
     branches, per_decade, extrapolate
         Options of `fit`. With "model" the branches of an inference also count beyond its data.
@@ -339,7 +352,14 @@ def _known(arguments: dict[str, Any]) -> tuple[float, Modulus]:
         if name in arguments and arguments[name] not in _WORDS:
             return checks.number(name, si.quantity(arguments.pop(name), "Pa", name), above=0), which[name]
     expected = "the instantaneous modulus beside a table that gives it up to a factor"
-    advice = Name("young"), ", or ", Name("stress"), " of a table of strain"
+    advice = (
+        Name("young"),
+        ", ",
+        Name("stress"),
+        " of a table of strain, or ",
+        Name("ball_radius"),
+        " of a force",
+    )
     raise InputError("young", expected=expected, got="none", advice=advice)
 
 

@@ -46,7 +46,11 @@ def moment_of(frame: Frame, *, slides: bool = False, carried: Carried | None = N
         name: getattr(frame if hasattr(frame, name) else frame.contact, name)
         for name in had_by(frame.contact, "series", slides=slides)
     }
-    return row if carried is None else row | record.quantities(carried, frame.contact)
+    if carried is None:
+        return row
+    if frame.ages is not None:
+        row |= frame.ages.means(frame.contact)
+    return row | record.quantities(carried, frame.contact)
 
 
 def snapshot_of(frame: Frame, carried: Carried | None = None) -> Snapshot:
@@ -54,6 +58,7 @@ def snapshot_of(frame: Frame, carried: Carried | None = None) -> Snapshot:
     contact = frame.contact
     fields = {name: getattr(contact, name) for name in had_by(contact, "field")}
     fields |= {} if carried is None else record.maps(carried, contact)
+    fields |= {} if frame.ages is None else {"site_age": frame.ages.now.copy()}
     return Snapshot(frame.time, fields, frame.leg, [float(sites) for sites in frame.shift])
 
 
@@ -77,7 +82,7 @@ def dataset_of(
 
     sites = ("y", "x")[2 - start.heights.ndim :]
     slides = bool(rows) and "displacement" in rows[0]
-    asked = [name for name in select("series", of=["carried"]) if rows and name in rows[0]]
+    asked = [name for name in select("series", of=["carried", "friction"]) if rows and name in rows[0]]
     series = [*had_by(start, "series", slides=slides), *asked]
     dataset = xr.Dataset(
         data_vars={name: ("time", np.array([row[name] for row in rows])) for name in series},
@@ -153,7 +158,7 @@ def coordinates_of(contact: Bodies) -> list[NDArray[Any]]:
 def describe(dataset: xr.Dataset, contact: Contact) -> None:
     """Add long names and units."""
     units = units_of(contact)
-    for name, quantity in (had_by(contact, slides=True) | select(of=["carried"])).items():
+    for name, quantity in (had_by(contact, slides=True) | select(of=["carried", "friction"])).items():
         if name in dataset.variables:
             unit = units.get(quantity.dimension, quantity.dimension)
             dataset[name].attrs.update(long_name=quantity.long_name, units=unit)

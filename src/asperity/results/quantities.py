@@ -77,8 +77,11 @@ _SCALE = "mean contact force, or where the load has died out the smallest that t
 _REJECTED = "time steps repeated with a smaller length since the previous entry"
 _AT_HARDNESS = "number of sites in contact whose pressure is the hardness"
 _SLID = "length that the rough surface has slid since the start"
+_SLOPES = "force of the slopes of the rough surface against its motion"
 _SHEARED = "friction force, shear strength times real contact area"
 _COEFFICIENT = "friction coefficient, friction force over load"
+_STRENGTH = "shear strength, mean over the sites in contact"
+_RENEWED = "age of the sites in contact, which slip renews"
 _STIFF = "normal contact stiffness, instantaneous, at fixed contacts"
 _STIFF_ACROSS = "tangential contact stiffness, before anything slips"
 _OHMIC = "electrical resistance of the constrictions"
@@ -112,15 +115,25 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("yielding_area", "sites", _AT_HARDNESS, _SHOWN, "yielding", label="yielding sites", whole=True),
     Quantity("displacement", "place", _SLID, _SHOWN, "sliding"),
     Quantity("velocity", "place / time", "sliding velocity", _RESULT, "sliding", symbol="V"),
+    Quantity("hysteresis_friction", "energy / place", _SLOPES, _RESULT, "sliding"),
+    Quantity("hysteresis_friction_coefficient", "1", f"{_SLOPES}, over load", _SHOWN, "sliding"),
     Quantity("friction_force", "force", _SHEARED, _SOLVED, "friction", symbol="F"),
     Quantity("friction", "1", _COEFFICIENT, _SOLVED, "friction", symbol="μ"),
+    Quantity("friction_by_area", "1", f"{_COEFFICIENT}, without growth with age", _RESULT, "friction"),
+    Quantity("strength_mean", "pressure", _STRENGTH, _RESULT, "friction", label="mean strength"),
+    Quantity("contact_age_mean", "time", f"mean {_RENEWED}", _RESULT, "friction", label="mean contact age"),
     Quantity("normal_stiffness", "stiffness", _STIFF, _ALL, "carried", symbol="kₙ"),
     Quantity("tangential_stiffness", "stiffness", _STIFF_ACROSS, _ALL, "carried", symbol="kₜ"),
-    Quantity(
-        "tangential_stiffness_soft", "stiffness", f"{_STIFF_ACROSS}, softest direction", _ALL, "carried"
-    ),
-    Quantity(
-        "tangential_stiffness_stiff", "stiffness", f"{_STIFF_ACROSS}, stiffest direction", _ALL, "carried"
+    *(
+        Quantity(
+            f"tangential_stiffness_{kind}",
+            "stiffness",
+            f"{_STIFF_ACROSS}, {kind}est direction",
+            _ALL,
+            "carried",
+            label=f"tangential stiffness, {kind}est direction",
+        )
+        for kind in ("soft", "stiff")
     ),
     Quantity("resistance", "ohm", _OHMIC, _ALL, "carried", symbol="R_c"),
     Quantity("thermal_resistance", "K/W", "thermal resistance of the constrictions", _ALL, "carried"),
@@ -134,6 +147,7 @@ QUANTITIES: tuple[Quantity, ...] = (
     _field("force", "force", "contact force of a site", of="sites", symbol="r = H u + C (u − u⁰), Eq. (2)"),
     _field("pressure", "pressure", "contact pressure", of="continua", symbol="p"),
     _field("stick", "1", "whether the site sticks under shear", of="carried"),
+    _field("site_age", "time", _RENEWED, of="friction", symbol="θ"),
     _field("permanent_indentation", "length", _LOWER, of="yielding"),
     Quantity("anchors", "length", "creeping shape of the elastic surface, by branch", home="contact"),
     Quantity("force", "force", "contact force of a site", of="continua", home="contact"),
@@ -206,6 +220,7 @@ _SYSTEMS = {
     "area": ("", "length unit^2", "m^2"),
     "force": ("stiffness unit * height unit", "force unit", "N"),
     "energy": ("stiffness unit * height unit^2", "force unit * length unit", "J"),
+    "energy / place": ("stiffness unit * height unit^2 / lattice spacing", "force unit", "N"),
     "energy / area": ("", "force unit / length unit", "J/m^2"),
     "pressure": ("stiffness unit * height unit / site", "force unit / length unit^2", "Pa"),
     "stress": ("stiffness unit * height unit", "force unit / length unit^2", "Pa"),
@@ -221,7 +236,7 @@ _SITES, _OWN, _SI = (
     {dimension: units[system] for dimension, units in _SYSTEMS.items() if units[system]}
     for system in range(3)
 )
-_SI_OF_A_LINE = {"area": "m", "force": "N/m", "energy": "J/m", "stiffness": "N/m^2"}
+_SI_OF_A_LINE = {"area": "m", "force": "N/m", "energy": "J/m", "energy / place": "N/m", "stiffness": "N/m^2"}
 """Of a profile, which stands for a surface of ridges: for each metre of their length."""
 
 

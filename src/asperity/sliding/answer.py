@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -22,20 +22,19 @@ from asperity.base.readable import written
 from asperity.base.version import __version__
 from asperity.contact.bodies import Bodies, bodies_of, control_by
 from asperity.contact.remarks import remarks_on_bodies
-from asperity.contact.rim import RIM, rim_sides
 from asperity.errors import InputError
-from asperity.lattice import Field, Lattice
-from asperity.progress import listener
-from asperity.protocols.legs import sites_along
+from asperity.lattice import Field
+from asperity.progress import Progress, listener
 from asperity.relaxation import Material
 from asperity.relaxation import material as material_of
 from asperity.results.dataset import attributes_of_solid, coordinates_of
 from asperity.results.quantities import units_of
-from asperity.sliding.problem import Sliding, State, waves_along
+from asperity.sliding.bands import draws_of_solid, with_bands
+from asperity.sliding.problem import State
+from asperity.sliding.profile import Profile, Row
 from asperity.sliding.solver import solved
 from asperity.solids import Solid
 from asperity.surfaces import Surface, read
-from asperity.surfaces.prepare import make_periodic
 
 TITLE = "Steady sliding"
 
@@ -47,7 +46,7 @@ COLUMNS = {
     "contact_fraction": ("1", "real contact area over nominal area"),
     "mean_gap": ("length", "mean gap"),
     "largest_pressure": ("pressure", "largest contact pressure"),
-    "last_octave": ("1", "share of the hysteresis of waves shorter than four sites"),
+    "last_octave": ("1", "share of the hysteresis that is lost without waves shorter than four sites"),
     "slope_friction_coefficient": ("1", "the hysteresis as mean of pressure times slope of the profile"),
     "residual": ("1", "largest force off contact over the mean contact force"),
     "products": ("1", "products of forces with the compliance"),
@@ -56,8 +55,6 @@ COLUMNS = {
 
 _MOST_OF_LAST_OCTAVE = 0.1
 _BYTES = 400  # for each site, measured at 1024 x 1024 sites
-
-Row = dict[str, Any]
 
 
 @answers(SteadySliding)
@@ -74,22 +71,53 @@ def steady_sliding(question: SteadySliding) -> xr.Dataset:
     require(_BYTES + 16 * profile.branches, profile.lattice.shape)
     if not question.beyond_table:
         _check_known(material, profile, speeds)
-    rows: list[Row] = []
     maps: dict[float, Field] = {}
-    state: State | None = None
+    tiles: list[dict[str, Field]] = []
+    coarse = profile.without_last_octave
+
+    def whole(speed: float, state: State) -> Row:
+        if np.isclose(speed, question.fields_at or [], rtol=1e-6, atol=0).any():
+            maps[speed] = profile.pressure(state)
+        if bodies.lattice.dimension == 2:
+            tiles.append(profile.tiles(state))
+        share = 0.0
+        if coarse is not None and state.friction:
+            share = 1 - solved(coarse.at(speed), state).friction / state.friction
+        return profile.row(state) | {"last_octave": share}
+
     with listener(question.progress) as listening:
-        for number, speed in enumerate(speeds.tolist(), 1):
-            at = written(speed, "m/s") if bodies.si else f"{speed:g}"
-            listening.stage(f"sliding at {at}, speed {number} of {speeds.size}")
-            state = solved(profile.at(speed), state)
-            rows.append(profile.row(state))
-            if np.isclose(speed, question.fields_at or [], rtol=1e-6, atol=0).any():
-                maps[speed] = profile.pressure(state)
-    dataset = _dataset(rows, maps, speeds, profile, question)
+        table = _curve(profile, speeds, whole, listening)
+
+        def drawn(solid: Solid, stage: str) -> dict[str, Field]:
+            other = replace(profile, bodies=replace(bodies, solid=solid))
+            return _curve(other, speeds, lambda _, state: other.row(state), listening, f", {stage}")
+
+        dataset = _dataset(table, maps, speeds, profile, question)
+        if tiles:
+            most, least = profile.waves[0] * speeds[-1], profile.waves[1] * speeds[0]
+            of_solid = draws_of_solid(material, table, (float(least), float(most)), drawn)
+            dataset = with_bands(dataset, tiles, of_solid)
     on_bodies = remarks_on_bodies(scan, bodies.solid) if isinstance(scan, Surface) else ()
     for text in (*on_bodies, *(_remarks(dataset) if bodies.solid.in_lengths else ())):
         remark(text)
     return dataset.assign_attrs(material=json.dumps(dict(material.facts)))
+
+
+def _curve(
+    profile: Profile,
+    speeds: Field,
+    row_of: Callable[[float, State], Row],
+    listening: Progress,
+    stage: str = "",
+) -> dict[str, Field]:
+    """Numbers of the states at all speeds, each started from the one before."""
+    state, rows = None, []
+    for number, speed in enumerate(speeds.tolist(), 1):
+        at = written(speed, "m/s") if profile.bodies.si else f"{speed:g}"
+        listening.stage(f"sliding at {at}, speed {number} of {speeds.size}{stage}")
+        state = solved(profile.at(speed), state)
+        rows.append(row_of(speed, state))
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
 def check_sliding(dataset: xr.Dataset) -> None:
@@ -99,83 +127,19 @@ def check_sliding(dataset: xr.Dataset) -> None:
         raise InputError("dataset", expected="steady sliding", got="another one", advice=advice)
 
 
-@dataclass(frozen=True, eq=False)
-class Profile:
-    """A rough profile that slides, with its mirror images where its edges reflect."""
-
-    bodies: Bodies
-    lattice: Lattice
-    heights: Field
-    direction: tuple[float, ...]
-    load: float
-
-    @classmethod
-    def of(cls, bodies: Bodies, direction: str | tuple[int, ...], load: float) -> Self:
-        """Set up; `InputError` where edges are free, or the surface has no such direction."""
-        lattice, heights = bodies.lattice, bodies.heights
-        if lattice.edges == "free":
-            expected = "periodic or reflecting edges: beyond free ones the profile does not go on"
-            raise InputError("edges", expected=expected, got="'free'", cure={"edges": "reflecting"})
-        if lattice.reflecting:
-            heights = make_periodic(heights, "mirror")
-            lattice = Lattice(heights.shape, lattice.spacing)
-        steps = zip(sites_along(direction, lattice.dimension), lattice.spacing, strict=True)
-        vector = np.array([sites * step for sites, step in steps])
-        heights = heights - heights.max()
-        return cls(bodies, lattice, heights, tuple((vector / np.linalg.norm(vector)).tolist()), load)
-
-    @property
-    def copies(self) -> float:
-        """Sites over those of the scan."""
-        return self.lattice.sites / math.prod(self.bodies.lattice.shape)
-
-    def at(self, speed: float) -> Sliding:
-        """The contact problem at a speed."""
-        how = self.direction, speed, self.copies * self.load
-        return Sliding.of(self.lattice, self.heights, self.bodies.solid, *how)
-
-    def pressure(self, state: State) -> Field:
-        """Contact pressure of each site of the scan; its force on a solid that is defined on sites."""
-        return state.force[tuple(map(slice, self.bodies.lattice.shape))] / self.area_of_site
-
-    @property
-    def branches(self) -> int:
-        """Branches whose spectra are kept one by one."""
-        return 0 if self.bodies.solid.shares is not None else len(self.bodies.solid.branches)
-
-    @property
-    def area_of_site(self) -> float:
-        """Area of a site; 1 on a solid that is defined on sites."""
-        return self.lattice.cell if self.bodies.solid.in_lengths else 1.0
-
-    def row(self, state: State) -> Row:
-        """Numbers of a state."""
-        body, sites = np.isfinite(self.heights), np.count_nonzero(state.in_contact)
-        rim = RIM * rim_sides(state.in_contact, self.lattice, body)
-        area = self.area_of_site / self.copies
-        load = self.copies * self.load
-        corrected = {"contact_area_corrected": (sites - rim) * area} if self.bodies.solid.in_lengths else {}
-        return {
-            "hysteresis_friction_coefficient": state.friction / load,
-            "contact_area": sites * area,
-            **corrected,
-            "contact_fraction": sites / np.count_nonzero(body),
-            "mean_gap": float((state.u - self.heights)[body].mean()),
-            "largest_pressure": float(state.force.max()) / self.area_of_site,
-            "last_octave": state.share_of_last_octave,
-            "slope_friction_coefficient": state.friction_of_slopes / load,
-            "residual": state.residual,
-            "products": state.products,
-        }
-
-
 def _checked(solid: Solid) -> Solid:
     """Refuse a solid whose response to a wave is not linear."""
-    laws = {"adhesion": solid.adhesion, "hardness": solid.yields or None, "creep": solid.creep}
+    laws = {
+        "adhesion": solid.adhesion,
+        "hardness": solid.hardness if solid.yields else None,
+        "creep": solid.creep,
+    }
     for name, law in laws.items():
         if law is not None:
-            expected, got = f"a solid without {name}, whose response is linear", f"one with {name}"
-            raise InputError("solid", expected=expected, got=got, advice="a slide in time, asperity.slide")
+            expected = "none for steady sliding, whose solid responds linearly"
+            got = f"{law:g}" if isinstance(law, float) else type(law).__name__
+            advice, path = "a slide in time, which is a leg of a history", ("solid", name)
+            raise InputError(name, expected=expected, got=got, advice=advice, path=path)
     return solid
 
 
@@ -192,8 +156,7 @@ def _load_of(question: SteadySliding, bodies: Bodies) -> float:
 def _check_known(material: Material, profile: Profile, speeds: Field) -> None:
     """Refuse speeds at which waves oscillate faster or slower than the data of a material."""
     begin, end = material.span
-    waves = np.abs(waves_along(profile.lattice, profile.direction)[0])
-    longest, shortest = float(waves[waves > 0].min()), float(waves.max())
+    shortest, longest = profile.waves
     least, most = (1 / (end * longest), 1 / (begin * shortest) if begin else math.inf)
     for speed in speeds.tolist():
         if not least * (1 - 1e-9) <= speed <= most * (1 + 1e-9):
@@ -206,13 +169,16 @@ def _check_known(material: Material, profile: Profile, speeds: Field) -> None:
 
 
 def _dataset(
-    rows: list[Row], maps: dict[float, Field], speeds: Field, profile: Profile, question: SteadySliding
+    table: dict[str, Field],
+    maps: dict[float, Field],
+    speeds: Field,
+    profile: Profile,
+    question: SteadySliding,
 ) -> xr.Dataset:
     bodies, law = profile.bodies, question.shear_strength
-    table = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     if isinstance(law, ShearStrength):
         area = table.get("contact_area_corrected", table["contact_area"])
-        adhered = law.at(speeds) * area / profile.load
+        adhered = law.at(speeds, law.settled(speeds)) * area / profile.load
         table["friction_coefficient"] = table["hysteresis_friction_coefficient"] + adhered
     unit = {"place / time": "1", **units_of(bodies), "1": "1"}
     unit.setdefault("area", "sites")

@@ -21,43 +21,16 @@ discretization.
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from asperity.contact.problem import SpectralProblem
+from asperity.contact.waves import Vector, friction_of_slopes, slope_of, waves_along
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 from asperity.solids import Solid
-
-Vector = tuple[float, ...]
-"""Components along the axes of a lattice."""
-
-_ACROSS = 1e-12  # part of the largest component below which rounding hides that a wave stands still
-
-
-def waves_along(lattice: Lattice, direction: Vector) -> list[Spectrum]:
-    """Wave vectors times a unit vector, radians per length.
-
-    A shortest wave stands for both directions, in which it travels at both frequencies: two cases, or four.
-    """
-    axes = zip(direction, lattice.shape, strict=True)
-    cases = itertools.product(*((1, -1) if part and n % 2 == 0 else (1,) for part, n in axes))
-    return [_along(lattice, direction, signs) for signs in cases]
-
-
-def _along(lattice: Lattice, direction: Vector, signs: Sequence[int]) -> Spectrum:
-    """The same, with these signs of the shortest waves of each axis."""
-    parts = []
-    for angle, side, part, sign in zip(lattice.angles, lattice.spacing, direction, signs, strict=True):
-        shortest = np.isclose(np.abs(angle), np.pi)
-        parts.append(np.where(shortest, sign * np.abs(angle), angle) * part / side)
-    along = np.array(np.broadcast_to(sum(parts), lattice.spectral_shape))
-    along[np.abs(along) < _ACROSS * np.abs(along).max()] = 0.0
-    return along
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,8 +76,7 @@ class Sliding:
                 )
             compliance += 1 / (len(along) * stiffness)
         compliance.flat[0] = 0.0
-        slope = np.where(np.ptp(along, axis=0) > 0, 0.0, along[0])
-        return cls(lattice, heights, compliance, slope, load)
+        return cls(lattice, heights, compliance, slope_of(along), load)
 
     def with_loss(self, share: float) -> Sliding:
         """The same over a solid with a share of the loss compliance."""
@@ -127,6 +99,11 @@ class Sliding:
         rhs = self.lattice.flat_modes(-self.load / self.lattice.sites)
         return SpectralProblem(self.lattice, self.heights, storage, rhs)
 
+    @property
+    def loss(self) -> Spectrum:
+        """The loss compliance, with the sign of the wave vector."""
+        return self.compliance.imag
+
     def displacement(self, force: Field) -> Field:
         """C p, whose mean is 0."""
         return self.lattice.apply(self.compliance, force)
@@ -135,10 +112,6 @@ class Sliding:
         """Forces under a surface, whose sum is the load."""
         mean = self.load / self.lattice.sites
         return self.lattice.apply(self.stiffness, u - u.mean()) + mean
-
-    def derivative(self, field: Field) -> Field:
-        """Slope along the motion, spectral."""
-        return self.lattice.apply(np.asarray(1j * self.slope, dtype=complex), field)
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +136,7 @@ class State:
         """Dissipation over the speed in each wave; the sum is -sum p du/dx. Shape of a spectrum."""
         problem, lattice = self.problem, self.problem.lattice
         power = np.abs(lattice.forward(self.force)) ** 2 * lattice.multiplicity / lattice.sites
-        return np.asarray(problem.slope * problem.compliance.imag * power)
+        return np.asarray(problem.slope * problem.loss * power)
 
     @property
     def friction(self) -> float:
@@ -173,12 +146,5 @@ class State:
     @property
     def friction_of_slopes(self) -> float:
         """The same as -sum p dh/dx, which the discretization makes another."""
-        heights = np.where(np.isfinite(self.problem.heights), self.problem.heights, self.u)
-        return -float(np.vdot(self.force, self.problem.derivative(heights)))
-
-    @property
-    def share_of_last_octave(self) -> float:
-        """Share of the friction of waves shorter than four sites."""
-        shortest = [np.abs(angle) > np.pi / 2 for angle in self.problem.lattice.angles]
-        last = np.logical_or.reduce(np.broadcast_arrays(*shortest))
-        return float(self.dissipation[last].sum()) / (self.friction or 1.0)
+        problem = self.problem
+        return friction_of_slopes(problem.lattice, problem.slope, problem.heights, self.u, self.force)

@@ -33,7 +33,13 @@ def rows_of(dataset: xr.Dataset) -> list[Row]:
 def _words(state: xr.Dataset) -> str:
     """A state in words."""
     text = f"{written(float(state['speed']), str(state['speed'].attrs['units']))}: hysteresis friction "
-    text += f"{float(state['hysteresis_friction_coefficient']):.4g}"
+    text += _with_band(state, "hysteresis_friction_coefficient")
     if "friction_coefficient" in state:
-        text += f", {float(state['friction_coefficient']):.4g} with shear strength"
-    return f"{text}, contact {100 * float(state['contact_fraction']):.4g} %"
+        text += f", {_with_band(state, 'friction_coefficient')} with shear strength"
+    return f"{text}, contact fraction {_with_band(state, 'contact_fraction')}"
+
+
+def _with_band(state: xr.Dataset, name: str) -> str:
+    low, high = (float(state.get(f"{name}_{end}", np.nan)) for end in ("low", "high"))
+    interval = (low, high) if f"{name}_low" in state else None
+    return Row(name, float(state[name]), interval=interval, digits=4).words()

@@ -144,6 +144,13 @@ def file_of_run(material: Path | None, flags: dict[str, dict[str, object]]) -> P
     return None
 
 
+def check_load(flags: Mapping[str, Mapping[str, object]]) -> None:
+    """Refuse no load and two."""
+    if len(contact := flags.get("contact", {})) != 1:
+        got = "both" if contact else "neither"
+        raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")
+
+
 def flag(name: str) -> str:
     """The flag of an argument of this name."""
     return f"--{name.replace('_', '-')}"

@@ -16,9 +16,12 @@ from asperity.base.words import number
 from asperity.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import xarray as xr
 
     from asperity.base.rows import Row
+    from asperity.figures.style import Drawing
     from asperity.friction import Record
 
 _RESULTS, _READING, _DRAWN = Results(), Reading(), Drawn()
@@ -97,12 +100,13 @@ def friction(
     from asperity.friction import (
         MachineFit,
         compare_state_laws,
+        events_figure,
         events_of,
+        events_table,
         fit_events,
         rate_and_state_figure,
         save_parameters,
     )
-    from asperity.friction.export import events_table
     from asperity.friction.rows import rows_of_events
 
     with naming(V_0="--reference-velocity"):
@@ -115,9 +119,13 @@ def friction(
     def write_all(folder: Path) -> None:
         for kind in ("toml", "csv"):
             save_parameters(comparison, folder / f"friction.{kind}", law=None if law == "best" else law)
+        draws: dict[str, Callable[[], Drawing]] = {"friction": lambda: rate_and_state_figure(comparison)}
         if fits is not None:
-            events_table(fits, comparison.record).to_csv(folder / "events.csv", index=False)
-        write_each({"friction": lambda: rate_and_state_figure(comparison)}, folder, drawn.formats())
+            table = events_table(fits, comparison.record)
+            table.to_csv(folder / "events.csv", index=False)
+            if any(fits.values()):
+                draws["events"] = lambda: events_figure(table)
+        write_each(draws, folder, drawn.formats())
 
     def rows() -> list[Row]:
         more = [] if fits is None else rows_of_events(fits, comparison.record)

@@ -34,13 +34,12 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False, d
     check_campaign("gather", out)
     import asperity.app.campaign as campaign
     from asperity.app.campaign.gather import with_ends
-    from asperity.app.cli.output import write_figures
+    from asperity.app.cli.output import heads_of, write_figures
     from asperity.base.files import standing
     from asperity.base.rows import aligned
     from asperity.figures import campaign_figure
     from asperity.results import save
     from asperity.results.store import whole_file
-    from asperity.sheets.tables import with_unit
 
     dataset = campaign.open(out)
     target = out / "gathered.zarr" if to is None else to
@@ -64,8 +63,8 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False, d
     runs = campaign.table(dataset)
     if dataset["time"].attrs["units"] == "s":
         ends = with_ends(dataset)
-        units = {name: ends[name].attrs.get("units") or "1" for name in map(str, runs) if name not in _BARE}
-        runs = runs.rename(columns={name: with_unit(name, unit) for name, unit in units.items()})
+        named = {name: ends[name] for name in map(str, runs) if name not in _BARE}
+        runs = runs.rename(columns=heads_of(named))
     with whole_file(csv, overwrite=before[csv]) as part:
         runs.to_csv(part, index=False)
     sizes = ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())

@@ -26,8 +26,10 @@ def infer(
     file: Path,
     /,
     *,
-    model: Literal["relaxation", "power", "logarithm", "lattice", "eyring", "healing", "ball"] = "relaxation",
-    quantity: Literal["depth", "radius"] | None = None,
+    model: Literal[
+        "relaxation", "power", "logarithm", "lattice", "eyring", "healing", "ball", "held"
+    ] = "relaxation",
+    quantity: Literal["depth", "radius", "area"] | None = None,
     branches: int | None = None,
     priors: Path | None = None,
     error: float | str | None = None,
@@ -36,6 +38,7 @@ def infer(
     unit_time: str | None = None,
     unit_area: str | None = None,
     ramp: str | None = None,
+    sample: bool = False,
     seed: int = 0,
     walkers: int = 1000,
     workers: int | None = None,
@@ -46,19 +49,20 @@ def infer(
     """Infer which parameters of a model a measured curve of contact area or friction determines.
 
     The result is a folder: inference.html (read it first), verdicts.csv with a verdict for each parameter
-    (determined, bounded, bounded above, bounded below, not identified), posterior.nc for ArviZ, priors.toml
-    to change and give again, and solid.toml for asperity run and asperity predict.
+    (determined, bounded, bounded above, bounded below, not identified), priors.toml to change and give again,
+    and solid.toml for asperity run and asperity predict.
 
     Parameters
     ----------
     file
-        Table of hold times and areas or static friction; for healing also the record of a slide-hold-slide
-        test: time, load point or slip, and friction.
+        Table of hold times and areas, static friction or force; for healing also the record of a
+        slide-hold-slide test: time, load point or slip, and friction.
     model
         relaxation: a half-space of some relaxation times; power, logarithm: a half-space whose creep is a
         power or a logarithm of time; lattice: light contacts on the lattice of springs; eyring: contacts
-        that flow; healing: friction that grows by B ln(1 + t/time); ball: depth or contact radius of a ball
-        under a constant load, with relaxation times. Other models of creep are fitted for comparison.
+        that flow; healing: friction that grows by B ln(1 + t/time); ball: depth, contact radius or contact
+        area of a ball under a constant load, with relaxation times; held: force at a held depth, with
+        relaxation times. Other models of creep are fitted for comparison.
     quantity
         Quantity that was measured of a ball. [default: from the name of the column]
     branches
@@ -74,16 +78,19 @@ def infer(
         Unit of the hold times. [default: that of the column's name, or s]
     unit_area
         Unit of the areas, such as mm^2, if their size is to count; 1 for areas over the nominal area
-        (lattice); for a ball, unit of its lengths. [default: only ratios of areas count; the lengths of a
-        ball have the unit of the column, if it has one]
+        (lattice); for a ball, unit of its depth, radius or area. [default: only ratios count; what is
+        measured of a ball has the unit of the column, if it has one]
     ramp
         Time over which the load rose linearly; times count from its start. [default: instantly]
+    sample
+        Sample the posterior, which takes minutes, for posterior.nc (ArviZ). By default intervals are profile
+        likelihoods by least squares, in seconds.
     seed
         Seed of the random numbers.
     walkers
-        Walkers in each of four ensembles.
+        With --sample, walkers in each of four ensembles.
     workers
-        Number of processes. [default: one for each core, up to four]
+        With --sample, number of processes. [default: one for each core, up to four]
     """
     chosen = columns.chosen()
     units = unit_time, unit_area
@@ -97,21 +104,29 @@ def infer(
     from asperity.base import checks
     from asperity.base.machine import cores
     from asperity.base.rows import Row
+    from asperity.fits.measurements import QUANTITIES
     from asperity.inference import Inference
     from asperity.inference import infer as inferred
     from asperity.inference.sampling import libraries
     from asperity.progress import Progress
     from asperity.results import Checkpoint
 
-    libraries()
+    if sample:
+        libraries()
     how: dict[str, Any] = {"model": model, "branches": branches, "ramp": ramp or 0.0}
-    how |= {"seed": seed, "walkers": walkers, "quantity": about["quantity"], "absolute": about["absolute"]}
+    how |= {
+        "sample": sample,
+        "seed": seed,
+        "walkers": walkers,
+        "quantity": about["quantity"],
+        "absolute": about["absolute"],
+    }
     how["priors"] = None if priors is None else read_tables(priors)
     asked = repr((*data, how))
     how["workers"] = min(cores(), 4) if workers is None else checks.integer("--workers", workers, least=1)
 
     def compute(progress: Progress, checkpoint: Checkpoint) -> Inference:
-        places = {name: f"{file}: {name}" for name in ("time", "area", "friction", "depth", "radius")}
+        places = {name: f"{file}: {name}" for name in ("time", *QUANTITIES)}
         with naming(**places, absolute="--unit-area"):
             inference = inferred(*data, **how, progress=progress, checkpoint=checkpoint)
         return replace(inference, remarks=(*remarks, *inference.remarks), unit=about["unit"])
@@ -161,31 +176,41 @@ def _data(
     if chosen["stderr"] is None and error is None and reading["columns"] is None:
         with naming(stderr="--column-stderr"):
             chosen["stderr"] = errors_beside(names, "its name, or --error 1%")
-    wanted: Any = {"ball": quantity or ("depth", "radius"), "healing": ("friction", "area")}.get(
-        model, "area"
-    )
+    wanted: Any = {
+        "ball": quantity or ("depth", "radius", "area"),
+        "healing": ("friction", "area"),
+        "held": "force",
+    }.get(model, "area")
     try:
         table = read_measurements(file, wanted, **chosen, **reading)
     except InputError as mistake:
         if "quantity" not in mistake.cure:
             raise
         expected, got = mistake.expected, mistake.got
-        raise InputError(mistake.name, expected=expected, got=got, cure={"model": "ball"}) from None
+        of = {"force": "held", "friction": "healing", "area": "relaxation"}
+        raise InputError(
+            mistake.name,
+            expected=expected,
+            got=got,
+            cure={"model": of.get(str(mistake.cure["quantity"]), "ball")},
+        ) from None
     if error is not None and table.stderr is not None:
         raise InputError("--error", expected="none beside --column-stderr", got=error)
     unit_time, unit_area = units
     seconds = _factor("--unit-time", unit_time or table.time_unit or "s", "s", "a unit of time, such as min")
     if model == "ball":
         quantity, unit_area = quantity or table.quantity, unit_area or table.value_unit or None
-        if quantity not in ("depth", "radius"):
-            expected, got = "depth or radius of the contact of the ball", f"a column {table.value_name!r}"
+        if quantity not in ("depth", "radius", "area"):
+            expected = "depth, radius or area of the contact of the ball"
+            got = f"a column {table.value_name!r}"
             raise InputError("--quantity", expected=expected, got=got, advice="--quantity depth")
     target, example = {
         "lattice": ("1", "1, for areas over the nominal one"),
         "ball": ("m", "a unit of length, such as nm"),
-    }.get(model, ("m^2", "a unit of area, such as mm^2"))
+        "held": ("N", "a unit of force, such as nN"),
+    }.get(model if quantity != "area" else "", ("m^2", "a unit of area, such as mm^2"))
     square = _factor("--unit-area", unit_area or "1", target, example)
-    about = {"quantity": quantity, "absolute": unit_area is not None}
+    about = {"quantity": quantity, "absolute": unit_area is not None and model != "held"}
     about["unit"] = table.value_unit if unit_area is None else target.removeprefix("1")
     remarks = table.remarks
     if not (unit_time or table.time_unit or model == "lattice"):

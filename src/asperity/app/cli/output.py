@@ -45,6 +45,12 @@ def write_run(outcome: Outcome, folder: Path) -> None:
         _write_figures(outcome, folder)
 
 
+def heads_of(columns: Mapping[str, xr.DataArray], *, si: bool = True) -> dict[str, str]:
+    """Names of columns with their units, where these are SI."""
+    units = {name: column.attrs.get("units") or "1" for name, column in columns.items()}
+    return {name: with_unit(name, unit) if si else name for name, unit in units.items()}
+
+
 def write_figures(draw: Callable[[], Drawing], files: Mapping[Path, Standing]) -> list[str]:
     """Write a figure under the names of `check_figures`; return a line that lists them, if any."""
     written = []
@@ -103,7 +109,6 @@ def _write_patches(dataset: xr.Dataset, path: Path) -> None:
 
 
 def _write_columns(dataset: xr.Dataset, columns: list[tuple[str, xr.DataArray]], path: Path) -> None:
-    si = bool(dataset.attrs["si"])
-    names = [with_unit(name, values.attrs.get("units", "1")) if si else name for name, values in columns]
-    table = pd.DataFrame(dict(zip(names, (values.values for _, values in columns), strict=True)))
+    heads = heads_of(dict(columns), si=bool(dataset.attrs["si"]))
+    table = pd.DataFrame({heads[name]: values.values for name, values in columns})
     path.write_text(table.to_csv(index=False, lineterminator="\n", na_rep="nan"), encoding="utf-8")

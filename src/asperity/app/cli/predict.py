@@ -14,6 +14,7 @@ from asperity.app.cli.command import command
 from asperity.app.cli.flags import (
     Flags,
     Folder,
+    check_load,
     file_of_run,
     flags_for,
     given,
@@ -98,9 +99,8 @@ def _door(material: Path | None, flags: dict[str, dict[str, object]]) -> Door:
         contact, protocol = flags.get("contact", {}), flags.get("protocol", {})
         legs = cast(list[Any], protocol.get("legs", []))
         begins = "file" in protocol or bool(legs and legs[0]["kind"] == "ramp")
-        if len(contact) != 1 and (contact or not begins):
-            got = "both" if contact else "neither"
-            raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")
+        if contact or not begins:
+            check_load(flags)
         if material is None and "young" not in flags.get("solid", {}):
             expected = "a relaxation table, a TOML file, or --young"
             raise InputError("material", expected=expected, got="none", advice="asperity predict --help")

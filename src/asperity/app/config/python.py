@@ -8,6 +8,7 @@ from typing import Any
 
 from asperity.ask.carried import Carried
 from asperity.ask.run import RunConfig
+from asperity.ask.strength import ShearStrength
 from asperity.ask.surface import MeasuredSurface
 from asperity.base.parameters import Law, parameters_of
 from asperity.base.version import __version__
@@ -33,7 +34,7 @@ def to_python(config: RunConfig, times: list[float]) -> str:
     if config.protocol:
         arguments["protocol"] = list(config.protocol)
     arguments |= {"hold": config.aging.hold, "rtol": config.aging.rtol, "fields_at": config.output.maps_at}
-    arguments["carried"] = config.carries
+    arguments["carried"] = config.recorded
     arguments = {name: value for name, value in arguments.items() if value not in (None, [])}
     spread = config.aging.times is None and not config.protocol
     lines = [
@@ -52,10 +53,8 @@ def to_python(config: RunConfig, times: list[float]) -> str:
     if not config.protocol:
         hold = {} if config.aging.hold is None else {"hold": config.aging.hold}
         lines.append(f"limit = {_call('asp.relax', 'contact', **hold)}")
-    if (strength := config.friction.strength) is not None:
-        facts = {name: one for name, one in vars(strength).items() if one}
-        law = _call("asp.friction.ShearStrength", repr(facts.pop("strength")), **facts)
-        lines.append(f"friction = {_call('asp.friction.add_friction', 'history.dataset', law)}")
+    if (law := config.friction.strength) is not None and not law.ages:
+        lines.append(f"friction = asp.friction.add_friction(history.dataset, {_written(law)})")
     return "\n".join([*lines, "print(history)", ""])
 
 
@@ -94,8 +93,11 @@ def _written(value: object) -> str:
         return line if len(line) <= _LONG else textwrap.fill(line, _LONG, subsequent_indent="        ")
     if isinstance(value, Law):
         return _call(f"asp.solids.{type(value).__name__}", **vars(value))
+    if isinstance(value, ShearStrength):
+        facts = {name: one for name, one in vars(value).items() if one}
+        return _call("asp.friction.ShearStrength", repr(facts.pop("strength")), **facts)
     if isinstance(value, Carried):
-        return _call("asp.Carried", **{name: one for name, one in vars(value).items() if one is not None})
+        return _call("asp.Carried", **{name: one for name, one in vars(value).items() if one})
     if isinstance(value, Leg):
         facts = {name: "inf" if one == math.inf else one for name, one in value.arguments.items()}
         if isinstance(legs := facts.get("legs"), tuple):

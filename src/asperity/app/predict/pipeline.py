@@ -8,7 +8,7 @@ from typing import Any
 from asperity.app.config import RunConfig
 from asperity.app.runs.pipeline import check_units, completed, unused, without_copies
 from asperity.ask.prediction import Predict, begins_to_rise, loading_of
-from asperity.ask.run import Contact
+from asperity.ask.run import Contact, Friction
 from asperity.errors import InputError
 from asperity.prediction import predict
 from asperity.prediction.predicting import no_half_space
@@ -16,7 +16,7 @@ from asperity.prediction.results import Prediction
 from asperity.progress import Checkpoint, Progress
 
 _RUN = "asperity run, which takes the same file"
-_UNUSED = {"friction": ("rate_coefficient", "reference_velocity"), "output": ("maps_at",)}
+_UNUSED = {"friction": tuple(Friction.keys.keys() - {"shear_strength"}), "output": ("maps_at",)}
 """Keys that a prediction does not use, by section."""
 
 

@@ -12,7 +12,6 @@ import xarray as xr
 from asperity.aging.legs import check_slides
 from asperity.aging.memory import bytes_a_site
 from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
-from asperity.analysis.tabor import add_friction
 from asperity.app.config import MeasuredSurface, RunConfig, to_toml
 from asperity.app.runs import defaults
 from asperity.app.runs.defaults import map_times
@@ -35,6 +34,7 @@ from asperity.progress import Progress
 from asperity.protocols import Ramp
 from asperity.protocols.schedule import Schedule
 from asperity.results import Checkpoint
+from asperity.results.tabor import add_friction
 from asperity.simulate import age, pressed, relax
 from asperity.solids import Solid
 from asperity.surfaces import Surface
@@ -109,10 +109,10 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
             fields_at=config.output.maps_at or (),
             progress=progress.reached,
             checkpoint=checkpoint,
-            carried=config.carries,
+            carried=config.recorded,
         )
     dataset = _observed(history.dataset, config.output.instrument)
-    if law is not None:
+    if law is not None and not law.ages:
         dataset = add_friction(dataset, law)
     contacts = resolved(dataset, solid, rough.filled) or (
         resolution_of(contact, rough, "at first"),

@@ -35,13 +35,16 @@ def sliding_of_config(
     if config.contact.separation is not None:
         expected, path = "a load or a pressure, under which the profile slides", ("contact", "separation")
         raise InputError("separation", expected=expected, got=config.contact.separation, path=path)
+    held: dict[str, Any] = {name: load for name, load in config.contact.table.items() if load}
+    if not held:
+        path = ("contact", "pressure")
+        raise InputError("pressure", expected="a pressure or a load", got="neither", path=path)
     material, surface = config.solid.material, without_copies(config)
     progress.stage("reading the scan")
     scan = surface.build()
     check_units(config, material.solid, scan)
     not_used = unused(config, "steady sliding", _UNUSED)
     config, remarks = completed(config.but(surface=surface), material.solid, scan)
-    held: dict[str, Any] = {name: load for name, load in config.contact.table.items() if load}
     with remarks_made() as made:
         dataset = steady_sliding(
             material, scan, shear_strength=config.friction.strength, progress=progress, **held, **asked

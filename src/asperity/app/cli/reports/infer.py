@@ -16,13 +16,14 @@ from asperity.inference import Inference, inference_page, inference_pictures
 def write_inference(
     inference: Inference, folder: Path, formats: Sequence[Format] = ("png",), *, source: str, command: str
 ) -> None:
-    """Write tables, posterior samples, the most likely solid, the pictures and their page."""
+    """Write tables, posterior samples if there are any, the best solid, the pictures and their page."""
     inference.table.to_csv(folder / "verdicts.csv", index=False, lineterminator="\n")
     priors = tables_to_toml({name: prior.table for name, prior in inference.model.priors.items()})
     (folder / "priors.toml").write_text(priors, encoding="utf-8")
-    inference.to_datatree().to_netcdf(folder / "posterior.nc", engine="h5netcdf")
+    if inference.sampled:
+        inference.to_datatree().to_netcdf(folder / "posterior.nc", engine="h5netcdf")
     if inference.model.solid is not None:
-        head = f"# The most likely sample, inferred from {source} by the model {inference.model.name}.\n"
+        head = f"# The best fit, inferred from {source} by the model {inference.model.name}.\n"
         if inference.unknown:
             head += f"# Not identified, so left out: {', '.join(inference.unknown)}.\n"
         text = head + tables_to_toml({"solid": inference.solid()})

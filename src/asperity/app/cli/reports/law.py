@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from asperity.app.cli.output import heads_of
 from asperity.app.config import to_toml
 from asperity.app.runs import Outcome
 from asperity.contact_law.programs import FILES, Program, law_for
 from asperity.figures import law_figure
 from asperity.figures.writing import write_each
-from asperity.sheets.tables import with_unit
 
 
 def write_law(
@@ -19,8 +19,8 @@ def write_law(
     """Write the table, the configuration, files for other programs, and the figure."""
     dataset = outcome.dataset
     order = ["direction", "time", "pressure", *map(str, dataset.data_vars)]
-    names = {name: with_unit(name, dataset[name].attrs.get("units", "1")) for name in order}
-    table = dataset.to_dataframe().reset_index()[order].rename(columns=names)
+    table = dataset.to_dataframe().reset_index()[order]
+    table = table.rename(columns=heads_of({name: dataset[name] for name in order}))
     table.to_csv(folder / "law.csv", index=False, lineterminator="\n")
     (folder / "config.toml").write_text(to_toml(outcome.config), encoding="utf-8")
     for program in programs:

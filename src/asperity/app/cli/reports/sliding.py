@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from asperity.app.cli.output import heads_of
 from asperity.app.config import to_toml
 from asperity.app.runs import Outcome
 from asperity.base.words import tables_to_toml
 from asperity.figures import steady_sliding_figure
 from asperity.figures.writing import write_each
-from asperity.sheets.tables import with_unit
 
 
 def write_sliding(outcome: Outcome, folder: Path, *, own: Mapping[str, Any]) -> None:
@@ -20,8 +20,8 @@ def write_sliding(outcome: Outcome, folder: Path, *, own: Mapping[str, Any]) -> 
     over_speed = [name for name in dataset.data_vars if dataset[name].dims == ("speed",)]
     table = dataset[over_speed].to_dataframe().reset_index()
     si = dataset["speed"].attrs["units"] == "m/s"
-    names = {str(name): with_unit(str(name), dataset[name].attrs["units"] if si else "1") for name in table}
-    table.rename(columns=names).to_csv(folder / "sliding.csv", index=False, lineterminator="\n")
+    heads = heads_of({str(name): dataset[name] for name in table}, si=si)
+    table.rename(columns=heads).to_csv(folder / "sliding.csv", index=False, lineterminator="\n")
     text = f"{to_toml(outcome.config)}\n{tables_to_toml({'sliding': dict(own)})}"
     (folder / "config.toml").write_text(text, encoding="utf-8")
     write_each({"sliding": lambda: steady_sliding_figure(dataset)}, folder, outcome.config.output.figures)

@@ -4,12 +4,13 @@
 
 (F. P. Bowden, D. Tabor, *The Friction and Lubrication of Solids*, Oxford, 1950). The shear strength is
 constant, or grows with the logarithm of the sliding velocity, as at interfaces that creep under shear (T.
-Baumberger, C. Caroli, Adv. Phys. 55, 279 (2006), DOI 10.1080/00018730600732186):
-
-    sigma_S = sigma_0 (1 + a ln(V / V_ref))
+Baumberger, C. Caroli, Adv. Phys. 55, 279 (2006), DOI 10.1080/00018730600732186), or of the age of each site
+in contact: see `ShearStrength`.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -17,7 +18,8 @@ import xarray as xr
 from asperity.ask.strength import ShearStrength
 from asperity.base import checks, units
 from asperity.base.checks import Floats
-from asperity.results.quantities import select
+from asperity.errors import InputError
+from asperity.results.quantities import select, units_named
 from asperity.theory import static_friction
 
 
@@ -31,29 +33,44 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
         those at which the surface would begin to slide, at the velocity of the next slide leg, or else of the
         last one. The area is ``contact_area_corrected``; on a solid that is defined on sites, their number.
 
-    `InputError` for a strength with units if the dataset has none, or one that depends on a velocity which
-    the history lacks. The coefficient is `asperity.theory.static_friction`.
+    `InputError` for a strength with units if the dataset has none, one that depends on a velocity which the
+    history lacks, or one that grows with the age of contacts. The coefficient is
+    `asperity.theory.static_friction`.
     """
     checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
     law = shear_strength if isinstance(shear_strength, ShearStrength) else ShearStrength(shear_strength)  # type: ignore[arg-type]
+    if law.growth:
+        expected, got = (
+            "a strength that does not age: ages are known only while a history runs",
+            "one that does",
+        )
+        advice = "asperity.age(..., carried=asperity.Carried(strength=...))"
+        raise InputError("shear_strength", expected=expected, got=got, advice=advice)
+    return with_friction(dataset, law)
+
+
+def with_friction(dataset: xr.Dataset, law: ShearStrength, grown: Floats | None = None) -> xr.Dataset:
+    """As `add_friction`; with the relative growth of the strength at each time also the part of the area."""
     units.check_units(vars(law), si=bool(dataset.attrs.get("si", 0)))
     on_sites = "contact_area_corrected" not in dataset
     area, load = dataset["area" if on_sites else "contact_area_corrected"], dataset["load"]
     velocity = dataset["velocity"].values if "velocity" in dataset else 0.0
 
     speeds = np.apply_along_axis(coming_velocity, -1, np.broadcast_to(velocity, load.shape))
-    strength = law.at(speeds)
+    strength, touching = law.at(speeds, 0.0 if grown is None else grown), np.maximum(area.values, 0.0)
     carried = np.maximum(load.values, np.finfo(float).tiny)
-    coefficient = static_friction(np.maximum(area.values, 0.0), carried, strength)
-    units_of = {"force": load.attrs["units"], "1": "1"}
-    force, ratio = (
-        {"long_name": quantity.long_name, "units": units_of[quantity.dimension]}
-        for quantity in select("series", of=("friction",)).values()
-    )
-    return dataset.assign(
-        friction_force=(load.dims, coefficient * carried, force),
-        friction=(load.dims, coefficient, ratio),
-    ).assign_attrs(
+    coefficient = static_friction(touching, carried, strength)
+    series = {"friction_force": coefficient * carried, "friction": coefficient}
+    if grown is not None:
+        by_area = static_friction(touching, carried, law.at(speeds))
+        series |= {"friction_by_area": by_area, "strength_mean": strength}
+    named = units_named({name: dataset[name].attrs["units"] for name in ("time", "load")})
+    columns: dict[str, Any] = {}
+    for name, values in series.items():
+        quantity = select("series", of=("friction",))[name]
+        facts = {"long_name": quantity.long_name, "units": named.get(quantity.dimension, quantity.dimension)}
+        columns[name] = load.dims, values, facts
+    return dataset.assign(columns).assign_attrs(
         shear_strength=law.strength,
         **{name: x for name, x in vars(law).items() if name != "strength" and x is not None},
     )

@@ -1,0 +1,228 @@
+"""From models and data to an inference: fits, errors, profiles, draws and verdicts."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.stats import chi2
+
+from asperity.base.checks import Floats
+from asperity.base.words import to_digits
+from asperity.errors import ConvergenceError, InputError
+from asperity.fits.comparison import neighbors
+from asperity.fits.result import rms, student
+from asperity.inference.found import Inference
+from asperity.inference.leastsquares import Profile, best_fit, drawn, least, profiles
+from asperity.inference.models import MOST_BRANCHES, Model
+from asperity.inference.problem import Problem
+from asperity.inference.rivals import ACCEPTED, CORRELATED, LEAST_ERROR, Plan, Rival, side_by_side, with_draws
+from asperity.inference.sampling import Draws, sample
+from asperity.inference.verdicts import Posterior
+from asperity.progress import Progress
+from asperity.results import Checkpoint
+
+_MISFIT, _MUCH_BETTER = 1e-3, 50.0
+"""Probability of a misfit below which it is remarked; gain in chi-squared above which priors are refused."""
+
+_FALLS = 2.0
+"""Least fall of AICc at the most branches for which more are likely."""
+
+_DRAWS, _FEW = 512, 50
+"""Draws along profiles, and number that they are worth below which it is remarked."""
+
+_TIMED, _OF_FITS, _OF_PROFILES, _OF_SAMPLES = 64, 8000, 10_000, 600
+"""Curves for an estimate of time, and usual numbers of them for a model, for profiles, and for a walker."""
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How to sample a posterior: walkers in each of four ensembles, effective samples, processes."""
+
+    walkers: int = 1000
+    effective: int = 1000
+    workers: int = 1
+    checkpoint: str | Path | Checkpoint | None = None
+
+
+def conclude(
+    family: Sequence[Plan],
+    others: Sequence[Plan] = (),
+    *,
+    stated: Callable[[Rival], Model | None] = lambda _: None,
+    sampling: Sampling | None = None,
+    seed: int = 0,
+    quantity: str = "area",
+    unit: str = "",
+    listening: Progress | None = None,
+) -> Inference:
+    """Judge the parameters of a model that data determine, by least squares or from samples.
+
+    Parameters
+    ----------
+    family
+        Models to choose from by AICc, such as those of one to three relaxation times, all of the same data:
+        their words, number of relaxation times (0 for another creep), and `Problem`. What a model must give
+        is said in `asperity.inference.problem`. With ``Problem(..., informed=False)`` its errors are the
+        shape of the noise, whose size and correlation are measured about the best fit.
+    others
+        Models for comparison.
+    stated
+        The chosen model with priors of the user in place of default ones, which fits and comparisons have;
+        None without any.
+    sampling
+        To sample the posterior; by default profiles and curvature of least squares.
+    seed
+        Seed of the random numbers.
+    quantity, unit
+        The measured quantity, and its unit.
+    listening
+        Hears of the stages.
+
+    Raises
+    ------
+    InputError, ConvergenceError
+        The points are too few; the priors exclude the data; the ensembles do not agree.
+    """
+    say = (listening or Progress()).stage
+    plans = [*family, *others]
+    say(f"fitting models side by side{_duration(family[0][2], _OF_FITS * len(plans) + _OF_PROFILES)}")
+    rivals = side_by_side(family, others)
+    first, remarks = _judged(rivals, stated(rivals[0]))
+    say("following the profile of each parameter")
+    best, followed = profiles(first.problem, first.at)
+    draws = _drawn(first.problem, followed, seed, sampling, say)
+    first = replace(first, at=best, z=draws.flat)
+
+    def drawn_of(problem: Problem, at: Floats) -> Floats | None:
+        if sampling is None:
+            return drawn(problem, profiles(problem, at)[1], _DRAWS, seed)[0]
+        how: Any = {"walkers": 200, "effective": 200, "agreement": 1.05, "steps": 20, "draws": 250}
+        try:
+            return sample(problem, seed=seed, **how).flat
+        except ConvergenceError:
+            return None
+
+    if draws.effective < _FEW:
+        words = f"bands and combinations are rough: their draws are worth {draws.effective:.0f}"
+        remarks.append(f"{words}; sampling the posterior (sample) is exact")
+    rivals = with_draws(rivals, first, drawn_of)
+    say("judging each parameter")
+    problem = first.problem
+    posterior = Posterior(problem, draws.flat, best, followed, sampling is not None)
+    verdicts = posterior.verdicts()
+    undetermined = [name for name, verdict in verdicts.items() if verdict.verdict != "determined"]
+    return Inference(
+        problem.time,
+        problem.value,
+        problem.error,
+        problem.model,
+        verdicts,
+        posterior.combinations(),
+        posterior.candidates(undetermined) if undetermined else (),
+        posterior.profiles,
+        draws,
+        float((problem.misfit(best[np.newaxis]) ** 2).sum()),
+        tuple(rivals),
+        tuple(remarks),
+        quantity,
+        unit,
+    )
+
+
+def _duration(problem: Problem, curves: float) -> str:
+    """About how long it takes to compute so many curves; empty below a minute."""
+    z = problem.of_prior(np.random.default_rng(0), _TIMED)
+    begun = clock.perf_counter()
+    problem.misfit(z)
+    minutes = (clock.perf_counter() - begun) * curves / _TIMED / 60
+    return f", about {to_digits(minutes, 1)} min" if minutes > 1 else ""
+
+
+def _drawn(
+    problem: Problem,
+    followed: Mapping[int, Profile],
+    seed: int,
+    sampling: Sampling | None,
+    say: Callable[[str], object],
+) -> Draws:
+    """Samples of the posterior, or draws along profiles."""
+    if sampling is None:
+        z, worth = drawn(problem, followed, _DRAWS, seed)
+        return Draws(z[np.newaxis], math.nan, worth)
+    count = 4 * sampling.walkers
+    lasts = _duration(problem, _OF_SAMPLES * count / sampling.workers)
+    say(f"sampling {len(problem.used)} parameters of {problem.model.name}, {count:,} walkers{lasts}")
+    return sample(problem, seed=seed, report=say, **vars(sampling))
+
+
+def _judged(rivals: list[Rival], stated: Model | None) -> tuple[Rival, list[str]]:
+    """The chosen model, with errors and with the priors of the user, if there are any; remarks."""
+    first, remarks = rivals[0], list[str]()
+    problem, at, misfit, n = first.problem, first.at, first.misfit, first.misfit.size
+    informed = problem.informed
+    free = max(n - problem.rank, 1)
+    best = min(rivals, key=lambda rival: rival.aicc)
+    fewer = [rival for rival in rivals if rival.times == first.times - 1]
+    if first.times == MOST_BRANCHES and fewer and first.aicc < fewer[0].aicc - _FALLS:
+        remarks.append(
+            f"AICc still falls at {first.times} relaxation times: there may be more, or a broad spectrum"
+        )
+    if first.aicc - best.aicc > ACCEPTED:
+        advice = f"try the model {'relaxation' if best.times else best.name}"
+        if problem.model.name == "ball":
+            advice = "what lies beyond the data is open"
+        remarks.append(f"{best.name} fits better, by {first.aicc - best.aicc:.3g} in AICc: {advice}")
+    if not math.isfinite(first.missed):
+        remarks.append(f"of {n} points three cannot be held out: no model was tested by prediction")
+    if not math.isfinite(best.aicc):
+        remarks.append(f"{n} points are too few for AICc: nothing chooses between the models")
+    if not informed:
+        scatter, rho = problem.scatter(at)
+        # For few points Student's t widens the intervals.
+        scatter *= student(free) / student(math.inf)
+        counted = max(1.0, n * min(1.0, (1 - rho) / (1 + rho)))
+        noise = rho <= CORRELATED  # else the model misses; its errors are those of means
+        wide = 1.0 if noise else math.sqrt((1 + rho) / (1 - rho))
+        error = max(scatter, LEAST_ERROR) * problem.error
+        size = f"{100 * np.median(error / np.abs(problem.value)):.2g} % of the values, by the median"
+        misfit = misfit * problem.error / error
+        problem = replace(
+            problem, error=wide * error, rho=rho if noise else 0.0, counted=counted, informed=True
+        )
+        remarks.append(
+            f"no errors were given: they are taken as {size}, from the scatter about the best fit, whose "
+            f"neighbors correlate by {rho:.2f}; so {n} points count as {counted:.0f}"
+        )
+    before, at = best_fit(problem, at[np.newaxis])
+    if stated is not None:
+        default, problem = rms(misfit), replace(problem, model=stated)
+        after, at = best_fit(problem)
+        misfit = problem.misfit(at[np.newaxis])[0]
+        if after - before > _MUCH_BETTER:
+            got = f"a best fit that misses by {rms(misfit):.3g} standard errors, rms"
+            name, prior = [*stated.priors.items()][_tight(problem, at)]
+            advice = f"a wider one of {name} than {prior} (default ones miss by {default:.3g})"
+            raise InputError("priors", expected="some that allow the data", got=got, advice=advice)
+
+    def fails(misfit: Floats) -> bool:
+        if informed:
+            return bool(chi2.sf(misfit @ misfit, free) < _MISFIT)
+        return neighbors(misfit)[0] > max(CORRELATED, 2 / math.sqrt(n))
+
+    if fails(misfit):
+        how = f"by {rms(misfit):.3g} standard errors, rms" if informed else "by more than a scatter"
+        others = ", and so does every model that was tried" if fails(best.misfit) else ""
+        remarks.append(f"the model misses the data {how}{others}: the verdicts hold for this model only")
+    return replace(first, problem=problem, at=at), remarks
+
+
+def _tight(problem: Problem, at: Floats) -> int:
+    """Place of the prior that misfits most: a wider one allows the best fit."""
+    each = np.eye(at.size, dtype=bool)
+    return int(np.argmin(least(problem, np.tile(at, (at.size, 1)), beyond=each)[0]))
