@@ -164,3 +164,46 @@ def test_an_interrupted_inference_goes_on_and_its_samples_are_for_arviz(asperity
     assert asperity(*words, "G")[0] == 0
     assert not list(Path().glob("*.checkpoint"))
     pd.testing.assert_frame_equal(verdicts("S"), verdicts("G"))
+
+
+def indenter(path, sign=1):
+    time = np.linspace(0, 4, 81)
+    depth = np.interp(time, (0, 0.8, 1.6, 3, 3.8, 4), (-1e-6, 0, 1e-6, 1e-6, -0.5e-6, -0.75e-6))
+    force = asp.theory.ting(time, depth, asp.relaxation.PronySeries(1e3, ((0.4, 0.2),)), 1e-5)
+    force += 1e-2 * force.max() * np.random.default_rng(0).standard_normal(time.size)
+    columns = {"time_s": time, "depth_um": sign * 1e6 * depth, "force_nN": 1e9 * force}
+    pd.DataFrame(columns).to_csv(path, index=False)
+
+
+def test_the_record_of_an_indenter_gives_a_solid_that_predicts(asperity):
+    indenter("record.csv", sign=-1)
+    flags = ("--model", "ball", "--radius", "10um", "--poisson", "0.5", "--branches", "1")
+    status, text, _ = asperity("infer", "record.csv", *flags, "--out", "gel")
+    assert status == 0
+    assert "falls into the body, forces above 0 press" in text
+    assert "retraction off its prediction by" in text
+    curve = pd.read_csv("gel/curve.csv", comment="#")
+    assert len(curve) > 50
+    assert Path("gel", "modulus.png").is_file()
+    solid = tomllib.loads(Path("gel", "solid.toml").read_text())["solid"]
+    assert float(solid["young"].split()[0]) == pytest.approx(750, rel=0.05)
+    np.savetxt("scan.txt", asp.surfaces.gaussian((32, 32), rms=1.0, seed=0))
+    how = ["--file-unit", "um", "--pixel-size", "1", "--length-unit", "um", "--pressure", "10Pa"]
+    assert asperity("predict", "gel/solid.toml", "--surface", "scan.txt", *how, "--out", "P")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("flags", "words"),
+    [
+        ((), "--radius"),
+        (("--radius", "10"), "--radius"),
+        (("--radius", "10um", "--ramp", "1s"), "--ramp"),
+        (("--radius", "10um", "--contact", "2um"), "--contact"),
+    ],
+)
+def test_mistakes_about_indenters_name_the_flag(asperity, flags, words):
+    indenter("record.csv")
+    status, _, error = asperity("infer", "record.csv", "--model", "ball", *flags, "--out", "gel")
+    assert status != 0
+    assert words in error
+    assert "Traceback" not in error

@@ -186,6 +186,13 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     call(asp.theory.flowing_area, time=[1.0, 2.0], load=8.0, area=0.5, at=1.0, stress=0.5),
     call(asp.theory.full_contact_load, heights=ROUGH, k0=2.0, k1=3.0),
     call(asp.theory.full_contact_load_relaxed, heights=ROUGH, k0=2.0),
+    call(
+        asp.theory.ting,
+        time=[0.0, 1.0, 2.0, 2.25],
+        depth=[-1.0, 2.0, 2.0, 1.0],
+        series=asp.relaxation.PronySeries(4.0, ((0.5, 1.0),)),
+        radius=8.0,
+    ),
     call(asp.theory.hertz, load=[0.0, 0.5], modulus=2.0, radius=8.0, period=16.0),
     call(asp.theory.westergaard_area, pressure=[0.0, 0.25], modulus=2.0, amplitude=0.5, wavelength=8.0),
     call(asp.theory.persson_area, pressure=[0.0, 0.25], modulus=2.0, slope=0.5),
@@ -222,7 +229,7 @@ WITHOUT_NUMBERS = {
         name for name, one in vars(asp.figures).items() if inspect.isfunction(one) and name[0] != "_"
     ),
     "fits": "jackknife read_measurements",
-    "inference": "infer inference_page inference_pictures",
+    "inference": "infer inference_page inference_pictures read_indentation",
     "friction": "add_friction events_figure events_of events_table fit_events hold_peaks read_record "
     "record_of rate_and_state_figure save_parameters",
     "prediction": "predict",

@@ -3,6 +3,8 @@
 from asperity.base.calls import answered as _answered
 from asperity.inference.figures import inference_page, inference_pictures
 from asperity.inference.found import Inference
+from asperity.inference.indented import IndentedSolid
+from asperity.inference.indenting import Indentation, read_indentation
 from asperity.inference.inferring import infer
 from asperity.inference.models import Model
 from asperity.inference.priors import Prior
@@ -11,6 +13,8 @@ from asperity.inference.verdicts import Candidate, Combination, Verdict
 __all__ = [
     "Candidate",
     "Combination",
+    "Indentation",
+    "IndentedSolid",
     "Inference",
     "Model",
     "Prior",
@@ -18,5 +22,6 @@ __all__ = [
     "infer",
     "inference_page",
     "inference_pictures",
+    "read_indentation",
 ]
 __dir__ = _answered(globals())

@@ -33,6 +33,9 @@ _MISFIT, _MUCH_BETTER = 1e-3, 50.0
 _FALLS = 2.0
 """Least fall of AICc at the most branches for which more are likely."""
 
+_NOTHING = 1e-300
+"""Least value over which an error is relative."""
+
 _DRAWS, _FEW = 512, 50
 """Draws along profiles, and number that they are worth below which it is remarked."""
 
@@ -190,14 +193,15 @@ def _judged(rivals: list[Rival], stated: Model | None) -> tuple[Rival, list[str]
         noise = rho <= CORRELATED  # else the model misses; its errors are those of means
         wide = 1.0 if noise else math.sqrt((1 + rho) / (1 - rho))
         error = max(scatter, LEAST_ERROR) * problem.error
-        size = f"{100 * np.median(error / np.abs(problem.value)):.2g} % of the values, by the median"
+        size = 100 * np.median(error / np.maximum(np.abs(problem.value), _NOTHING))
         misfit = misfit * problem.error / error
         problem = replace(
             problem, error=wide * error, rho=rho if noise else 0.0, counted=counted, informed=True
         )
         remarks.append(
-            f"no errors were given: they are taken as {size}, from the scatter about the best fit, whose "
-            f"neighbors correlate by {rho:.2f}; so {n} points count as {counted:.0f}"
+            f"no errors were given: they are taken as {size:.2g} % of the values, by the median, from the "
+            f"scatter about the best fit, whose neighbors correlate by {rho:.2f}; so {n} points count as "
+            f"{counted:.0f}"
         )
     before, at = best_fit(problem, at[np.newaxis])
     if stated is not None:

@@ -7,17 +7,21 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 
 from asperity.base import checks
 from asperity.base.checks import Floats
+from asperity.base.readable import in_unit
 from asperity.figures import style
 from asperity.figures.page import Picture, pictures_of, written_page
 from asperity.inference.found import Inference
+from asperity.inference.indented import IndentedSolid
 from asperity.inference.leastsquares import LIMIT
 
 _COLUMNS = 3
 _BINS = 41
+_PREDICTED = "predicted_N", "predicted_N_low", "predicted_N_high"
 _DATA: dict[str, Any] = {"color": style.INK, "markersize": 4, "markerfacecolor": "white"}
 
 
@@ -33,6 +37,65 @@ def _(found: Inference) -> dict[str, style.Panel]:
         "curve": style.Panel(lambda axes: _draw_curve(axes, found), along, 3),
         "deviations": style.Panel(lambda axes: _draw_deviations(axes, found), along),
     }
+
+
+@style.panels_of.register
+def _(found: IndentedSolid) -> dict[str, style.Panel]:
+    along = "time [s]"
+    return {
+        "curve": style.Panel(lambda axes: _draw_forces(axes, found), along, 3),
+        "depth": style.Panel(lambda axes: _draw_depth(axes, found), along),
+    }
+
+
+def _in_contact(found: IndentedSolid) -> pd.DataFrame:
+    """Forces from shortly before the contact to shortly after it."""
+    rows, last = found.forces, found.record.largest
+    touching = (rows["predicted_N"] > 0.01 * last) | (rows["force_N"] > 0.05 * last)
+    time = rows["time_s"][touching]
+    margin = (time.max() - time.min()) / 6
+    return rows[rows["time_s"].between(time.min() - margin, time.max() + margin)]
+
+
+def _draw_forces(axes: Axes, found: IndentedSolid) -> None:
+    """Draw measured forces, the fit to approach and hold, and the predicted retraction."""
+    rows = _in_contact(found)
+    unit, factor = in_unit(found.record.largest, "N")
+    axes.plot(rows["time_s"], factor * rows["force_N"], "o", label="measured", **_DATA | {"markersize": 2.5})
+    back = rows["segment"] == "retraction"
+    fitted = rows[~back]
+    axes.plot(fitted["time_s"], factor * fitted["predicted_N"], color=style.BLUE, label="fit")
+    if back.any():
+        back |= back.shift(-1, fill_value=False)  # from the last row of the fit on
+        time, best, low, high = (rows.loc[back, name] for name in ("time_s", *_PREDICTED))
+        axes.fill_between(time, factor * low, factor * high, color=style.ORANGE, alpha=0.4)
+        axes.plot(time, factor * best, color=style.VERMILION, label="predicted retraction")
+    axes.set_ylabel(f"force [{style.spelled(unit)}]")
+
+
+def _draw_depth(axes: Axes, found: IndentedSolid) -> None:
+    """Draw the depth."""
+    rows = _in_contact(found)
+    unit, factor = in_unit(float(rows["depth_m"].abs().max()), "m")
+    axes.plot(rows["time_s"], factor * rows["depth_m"], color=style.INK, linewidth=1.0)
+    axes.set_ylabel(f"depth [{style.spelled(unit)}]")
+
+
+@style.drawn
+def modulus_figure(found: IndentedSolid) -> style.Drawing:
+    """Draw the modulus against time after a load, where the record determines it."""
+    figure, (axes,) = style.stacked((style.COLUMN, 2.2), 1)
+    time = np.geomspace(*found.record.span, 60)
+    low, best, high = found.modulus_at(time)
+    unit, factor = in_unit(float(best[0]), "Pa")
+    axes.fill_between(time, factor * low, factor * high, color=style.SKY, alpha=0.5, label="95 % band")
+    axes.plot(time, factor * best, color=style.BLUE, label="best fit")
+    axes.set_xscale("log")
+    axes.set_ylim(bottom=0)
+    axes.set_xlabel("time after a load [s]")
+    axes.set_ylabel(f"{found.kind} [{style.spelled(unit)}]")
+    style.finish(axes)
+    return figure
 
 
 def _draw_curve(upper: Axes, inference: Inference) -> None:
@@ -133,7 +196,14 @@ def inference_pictures(found: Inference) -> dict[str, Picture]:
         "gray, the data tell nothing.",
         "corner": "Draws of the posterior: every pair of parameters that the curve contains.",
     }
-    makers = {"curve": curve_figure, "parameters": parameters_figure, "corner": corner_figure}
+    makers: dict[str, Any] = {"curve": curve_figure}
+    if isinstance(found, IndentedSolid):
+        captions |= {
+            "curve": "The record: measured forces, the fit to approach and hold, the predicted retraction.",
+            "modulus": "The relaxing modulus, over the times that the record determines.",
+        }
+        makers["modulus"] = modulus_figure
+    makers |= {"parameters": parameters_figure, "corner": corner_figure}
     return pictures_of({name: (captions[name], partial(make, found)) for name, make in makers.items()})
 
 

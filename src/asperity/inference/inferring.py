@@ -21,6 +21,8 @@ from asperity.fits.curve import Series, refuse_decline
 from asperity.friction import Record, hold_peaks
 from asperity.inference.concluding import Sampling, conclude
 from asperity.inference.found import Inference
+from asperity.inference.indented import of_record
+from asperity.inference.indenting import Indentation
 from asperity.inference.models import CREEP, MOST_BRANCHES, OF_BALL, OF_BRANCHES, Model, of_name
 from asperity.inference.priors import Given
 from asperity.inference.problem import Problem
@@ -35,18 +37,26 @@ _MOST_POINTS, _MOST_SAMPLED = 5000, 1000
 _NUMBERED = re.compile(f"(share|time)_[1-{MOST_BRANCHES}]")
 """Parameters whose number is the least number of branches."""
 
+_OF_INDENTERS = ("radius", "angle", "poisson", "contact", "drift")
+
 
 def infer(
-    time: ArrayLike | Record,
+    time: ArrayLike | Record | Indentation,
     area: ArrayLike | None = None,
     error: ArrayLike | None = None,
     *,
+    force: ArrayLike | None = None,
     model: str | Callable[..., ArrayLike] = "relaxation",
     quantity: Literal["depth", "radius", "area"] | None = None,
     priors: Mapping[str, Given] | None = None,
     branches: int | None = None,
     absolute: bool = False,
     ramp: float | str = 0.0,
+    radius: float | str | None = None,
+    angle: float | str | None = None,
+    poisson: float | None = None,
+    contact: float | str = 0.0,
+    drift: float | str = 0.0,
     sample: bool = False,
     seed: int = 0,
     rng: int | np.random.Generator | None = None,
@@ -62,17 +72,20 @@ def infer(
     ----------
     time
         Times not below 0, s, shape (n,), in any order; or a record of sliding with holds, for the model
-        ``"healing"``.
+        ``"healing"``; or an `Indentation`, the record of an indenter.
     area
         Areas, static friction or forces above 0, shape (n,), in any unit, such as A(t)/A(0), unless they
-        are `absolute`.
+        are `absolute`. With a `force`, depths of an indenter, m, of any sign.
     error
         Standard errors, one or shape (n,). By default the scatter about the best fit, whose neighbors
         may correlate; see `asperity.inference.problem`.
+    force
+        Forces on an indenter, N, shape (n,): its approach and hold make the solid, an `IndentedSolid`, and
+        its retraction is predicted.
     model
         ``"relaxation"``, ``"power"``, ``"logarithm"``, ``"lattice"``, ``"eyring"``, ``"healing"``,
         ``"ball"`` or ``"held"``, see `asperity.inference.models`; or a function of the times, and of
-        parameters by name.
+        parameters by name. With a `force`, ``"ball"``, ``"cone"`` or ``"punch"``.
     quantity
         For a ball, the measured quantity: its depth, or the radius or area of its contact.
     priors
@@ -85,6 +98,11 @@ def infer(
         and roughness, or the radius of the ball, are parameters then.
     ramp
         Time, s, of a linear ramp of the load; times count from its beginning.
+    radius, angle, poisson
+        With a `force`: radius of the ball or punch, m; half-angle of the cone, degrees; Poisson's ratio, for
+        Young's modulus.
+    contact, drift
+        With a `force`: depth of the first contact, m, or ``"fit"``; and drift of the depth, m/s.
     sample
         Sample the posterior (minutes), in place of least squares with intervals by profile likelihoods. Needs
         the extra ``inference``.
@@ -102,8 +120,15 @@ def infer(
     InputError, ConvergenceError
         The priors exclude the data; the ensembles do not agree.
     """
-    if sample:
+    sampling = Sampling(walkers, effective, workers, checkpoint) if sample else None
+    if sampling:
         libraries()
+    if force is not None or isinstance(time, Indentation):
+        _check_none(error=error, quantity=quantity, absolute=absolute, ramp=ramp)
+        tip: dict[str, Any] = {"tip": model, "radius": radius, "angle": angle, "poisson": poisson}
+        tip |= {"priors": priors, "branches": branches, "sampling": sampling, "seed": checks.seed(seed, rng)}
+        return of_record(_indentation(time, area, force, contact, drift), **tip, progress=progress)
+    _check_none(radius=radius, angle=angle, poisson=poisson, contact=contact, drift=drift)
     loading = float(units.number("ramp", ramp, "s", least=0))
     series, measured = _data(time, area, error, model, quantity)
     series, remarks = _some(series, _MOST_SAMPLED if sample else _MOST_POINTS)
@@ -146,7 +171,6 @@ def infer(
     taken += [("logarithm", 1)] if model == "healing" else []  # the same curve
     creeps = not callable(model) and model != "held"
     others = [plan(*key, chosen=False) for key in tried if creeps and key not in taken]
-    sampling = Sampling(walkers, effective, workers, checkpoint) if sample else None
     with listener(progress) as listening:
         how: Any = {"seed": seed, "quantity": measured, "listening": listening}
         found = conclude(family, others, stated=stated, sampling=sampling, **how)
@@ -197,6 +221,22 @@ def _per_time(t: Floats, v: Floats) -> Floats:
     """Shape of the noise of a force: a row is the mean over the time around it."""
     width = np.gradient(t) / np.ptp(t)
     return np.asarray(v.mean() / np.sqrt(np.maximum(width, 1e-3 * width.mean())))
+
+
+def _indentation(time: Any, depth: Any, force: Any, contact: float | str, drift: float | str) -> Indentation:
+    """The record of an indenter, of itself or of its columns."""
+    if not isinstance(time, Indentation):
+        return Indentation.of(time, depth, force, contact=contact, drift=drift)
+    _check_none(area=depth, force=force, contact=contact, drift=drift)
+    return time
+
+
+def _check_none(**facts: object) -> None:
+    """Refuse facts about a force on an indenter without one, or about a curve with one."""
+    for name, fact in facts.items():
+        if fact not in (None, 0.0, "0", False):
+            beside = "without a force on an indenter" if name in _OF_INDENTERS else "with one"
+            raise InputError(name, expected=f"none {beside}", got=checks.shown(fact))
 
 
 def _check_importable(model: object) -> None:

@@ -249,7 +249,8 @@ class Posterior:
         time = self.problem.time[self.problem.time > 0]
         unit = "over the nominal one" if model.name == "lattice" else "in m²"
         loads = f"two known loads, with {'lengths in m' if model.power != 1 else f'areas {unit}'}"
-        relative = float(np.median(self.problem.error / self.problem.value))
+        with np.errstate(divide="ignore"):
+            relative = float(np.median(self.problem.error / self.problem.value))
         planned: dict[str, tuple[Curve, Floats]] = {}
         if model.held is not None:
             planned["the load at a held displacement"] = model.held, time

@@ -4,7 +4,8 @@ One contact: `compliance`, its rate, asymptotes and finite-lattice form, `site_s
 beside the load, `response` to any force. Many contacts, far apart: `dilute_area`, `dilute_history` and what
 follows from them for a law of heights. Every site in contact: `full_contact_load`. Formulas as the paper
 prints them have the same names with ``_paper``. Friction: `static_friction`. Elastic half-spaces: `hertz`,
-`westergaard_area`, `persson_area`. Activated creep: `flowing_area`.
+`westergaard_area`, `persson_area`. An indenter on a viscoelastic one: `ting`. Activated creep:
+`flowing_area`.
 
 Arguments broadcast, and scalars give NumPy floats. `InputError` names a number out of range, or shapes that
 do not broadcast. x1 is k1/k0, x2 the reduced time k0 R t, viscous R_tilde/R, dimension 2 (square lattice) or
@@ -33,6 +34,7 @@ from asperity.theory.dilute import (
 from asperity.theory.dip import displacement
 from asperity.theory.heights import EmpiricalHeights, ExponentialHeights, GaussianHeights, HeightLaw
 from asperity.theory.indentation import compliance, compliance_rate, site_stiffness, torus_compliance
+from asperity.theory.indenters import ting
 from asperity.theory.limits import (
     flowing_area,
     full_contact_load,
@@ -75,6 +77,7 @@ __all__ = [
     "response_rate",
     "site_stiffness",
     "static_friction",
+    "ting",
     "torus_compliance",
     "westergaard_area",
     "winkler_area",

@@ -9,7 +9,7 @@ import numpy as np
 from asperity import surfaces
 from asperity.errors import InputError
 from asperity_research import doors, studies
-from asperity_research.experiments import fracture_2018, p655, pmma_2018, printed_2017, ptfe_2009
+from asperity_research.experiments import fracture_2018, gels_2022, p655, pmma_2018, printed_2017, ptfe_2009
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Outcome
 from asperity_research.studies.report import About, write_table
@@ -17,6 +17,7 @@ from asperity_research.studies.study import Concluded, Study, write_page
 
 _ALL = (
     fracture_2018.FRACTURE_2018,
+    gels_2022.GELS_2022,
     p655.P655,
     pmma_2018.PMMA_2018,
     printed_2017.PRINTED_2017,

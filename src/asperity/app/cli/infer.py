@@ -13,12 +13,13 @@ from typing import Any, Literal
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import Folder, check_unit, naming
 from asperity.app.cli.new_files import check_free
-from asperity.app.cli.options import CurveColumns, Drawn, Reading, Results
+from asperity.app.cli.options import CurveColumns, Drawn, Indenter, Reading, Results
 from asperity.base.words import number
 from asperity.errors import InputError, printable
 
 _OF_RECORDS = "load.?point|lastpunkt|veloc|displac|geschwindig|weg|vitesse|deplacement|déplacement|slip"
 _RESULTS, _READING, _DRAWN, _COLUMNS = Results(), Reading(), Drawn(), CurveColumns()
+_INDENTER = Indenter()
 
 
 @command()
@@ -27,7 +28,7 @@ def infer(
     /,
     *,
     model: Literal[
-        "relaxation", "power", "logarithm", "lattice", "eyring", "healing", "ball", "held"
+        "relaxation", "power", "logarithm", "lattice", "eyring", "healing", "ball", "held", "cone", "punch"
     ] = "relaxation",
     quantity: Literal["depth", "radius", "area"] | None = None,
     branches: int | None = None,
@@ -38,6 +39,7 @@ def infer(
     unit_time: str | None = None,
     unit_area: str | None = None,
     ramp: str | None = None,
+    indenter: Indenter = _INDENTER,
     sample: bool = False,
     seed: int = 0,
     walkers: int = 1000,
@@ -56,13 +58,15 @@ def infer(
     ----------
     file
         Table of hold times and areas, static friction or force; for healing also the record of a
-        slide-hold-slide test: time, load point or slip, and friction.
+        slide-hold-slide test: time, load point or slip, and friction; with --radius or --angle the record of
+        an indenter or AFM: time, depth (or height, deflection) and force.
     model
         relaxation: a half-space of some relaxation times; power, logarithm: a half-space whose creep is a
         power or a logarithm of time; lattice: light contacts on the lattice of springs; eyring: contacts
         that flow; healing: friction that grows by B ln(1 + t/time); ball: depth, contact radius or contact
         area of a ball under a constant load, with relaxation times; held: force at a held depth, with
-        relaxation times. Other models of creep are fitted for comparison.
+        relaxation times; ball, cone, punch with --radius or --angle: depth and force of an indenter. Other
+        models of creep are fitted for comparison.
     quantity
         Quantity that was measured of a ball. [default: from the name of the column]
     branches
@@ -94,7 +98,11 @@ def infer(
     """
     chosen = columns.chosen()
     units = unit_time, unit_area
-    *data, remarks, read, about = _data(file, chosen, vars(reading), units, error, model, quantity)
+    if tip := indenter.tip() or ({"radius": None} if model in ("cone", "punch") else {}):
+        _check_no(units, chosen, error=error, quantity=quantity, ramp=ramp)
+        *data, remarks, read, about = _of_indenter(file, vars(reading), indenter)
+    else:
+        *data, remarks, read, about = _data(file, chosen, vars(reading), units, error, model, quantity)
     if ramp is not None:
         check_unit("--ramp", number(ramp), "s")
     replaceable = check_free(out, overwrite=results.overwrite)
@@ -113,7 +121,7 @@ def infer(
 
     if sample:
         libraries()
-    how: dict[str, Any] = {"model": model, "branches": branches, "ramp": ramp or 0.0}
+    how: dict[str, Any] = {"model": model, "branches": branches, "ramp": ramp or 0.0, **tip}
     how |= {
         "sample": sample,
         "seed": seed,
@@ -157,14 +165,12 @@ def _data(
     """Read times in s, values, errors, remarks, the source, and facts about the quantity."""
     from asperity.fits import read_measurements
     from asperity.fits.measurements import errors_beside
+    from asperity.inference.indenting import is_record
     from asperity.sheets.tables import read_table
 
     names = read_table(file).names
     if model == "healing" and any(re.search(_OF_RECORDS, name, re.I) for name in names):
-        flags = ("--unit-time", "--unit-area", *(f"--column-{name}" for name in chosen))
-        for flag, asked in zip(flags, (*units, *chosen.values()), strict=True):
-            if asked is not None:
-                raise InputError(flag, expected="a table of hold times and friction", got="a record")
+        _check_no(units, chosen)
         from asperity.friction import hold_peaks, read_record
 
         record = read_record(file, **reading)
@@ -184,6 +190,9 @@ def _data(
     try:
         table = read_measurements(file, wanted, **chosen, **reading)
     except InputError as mistake:
+        if model == "ball" and is_record(file):
+            words = "the radius of the ball, for a record of depth and force"
+            raise InputError("--radius", expected=words, got="none", cure={"radius": "10um"}) from None
         if "quantity" not in mistake.cure:
             raise
         expected, got = mistake.expected, mistake.got
@@ -218,6 +227,26 @@ def _data(
     value = square * table.value
     errors = _error(error, value, square) if table.stderr is None else square * table.stderr
     return seconds * table.time, value, errors, remarks, table.source, about
+
+
+def _check_no(units: tuple[str | None, str | None], chosen: dict[str, Any], **others: object) -> None:
+    """Refuse flags of curves for a record."""
+    facts = dict(zip(("unit-time", "unit-area"), units, strict=True))
+    for name, asked in (facts | {f"column-{name}": x for name, x in chosen.items()} | others).items():
+        if asked is not None:
+            raise InputError(f"--{name}", expected="a table of hold times and values", got="a record")
+
+
+def _of_indenter(file: Path, reading: dict[str, Any], indenter: Indenter) -> tuple[Any, ...]:
+    """Read the record of an indenter, as `_data`."""
+    from asperity.inference import read_indentation
+
+    for flag, value in vars(indenter).items():
+        if flag != "poisson" and value not in (None, "fit"):
+            units = {"angle": "deg", "spring": "N/m", "drift": "m/s"}
+            check_unit(f"--{flag}", number(value), units.get(flag, "m"))
+    record, read = read_indentation(file, **reading, **indenter.reading())
+    return record, None, None, (), read, {"quantity": None, "absolute": False, "unit": "N"}
 
 
 def _error(error: float | str | None, value: Any, unit: float) -> Any:

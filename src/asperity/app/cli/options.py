@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, TypeVar, dataclass_transform
+from typing import Annotated, Any, TypeVar, dataclass_transform
 
 from cyclopts import Parameter, Token
 
@@ -124,6 +124,44 @@ class CurveColumns:
     def chosen(self) -> dict[str, str | None]:
         """Arguments of `asperity.fits.read_measurements`."""
         return {name.removeprefix("column_"): column for name, column in vars(self).items()}
+
+
+@flags_of_fields
+class Indenter:
+    """An indenter or AFM whose record has times, depths and forces.
+
+    Parameters
+    ----------
+    radius
+        Radius of the ball or punch, such as 7um. With it (or an angle) the table is the record of an
+        indenter: approach and hold make the solid, and the retraction is predicted.
+    angle
+        Half-angle of the cone, such as "35 deg".
+    poisson
+        Poisson's ratio, for Young's modulus. [default: the contact modulus E* only]
+    spring
+        Spring constant, such as "0.05 N/m", of heights (piezo), which contain its deflection.
+    contact
+        Depth of the first contact, such as 20nm, or fit. [default: depth 0; tip positions and heights: fit]
+    drift
+        Speed of the depth without deformation, such as "0.1 nm/s", which is subtracted.
+    """
+
+    radius: str | None = None
+    angle: str | None = None
+    poisson: float | None = None
+    spring: str | None = None
+    contact: str | None = None
+    drift: str | None = None
+
+    def tip(self) -> dict[str, Any]:
+        """Arguments of `asperity.infer`; none for a curve."""
+        told = {"radius": self.radius, "angle": self.angle, "poisson": self.poisson}
+        return told if self.radius or self.angle else {}
+
+    def reading(self) -> dict[str, Any]:
+        """Arguments of `asperity.inference.read_indentation`."""
+        return {"spring": self.spring, "contact": self.contact, "drift": self.drift or 0.0}
 
 
 @flags_of_fields

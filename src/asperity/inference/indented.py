@@ -1,0 +1,318 @@
+"""The solid under an indenter, from approach and hold of its record; and the retraction that it predicts."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+
+from asperity.base import checks, units
+from asperity.base.checks import Floats
+from asperity.base.rows import Row
+from asperity.base.words import counted
+from asperity.errors import InputError
+from asperity.inference.concluding import Sampling, conclude
+from asperity.inference.found import Inference
+from asperity.inference.indenting import REACH, Indentation, noise
+from asperity.inference.models import MOST_BRANCHES, Model, Values, relaxation
+from asperity.inference.priors import Given, Prior
+from asperity.inference.problem import Problem
+from asperity.progress import Progress, listener
+from asperity.theory.indenters import SHAPES, Tip, forces, tip_of
+
+_MOST = 100
+"""Most rows of each segment that are fitted, as means of neighbors."""
+_AT_ONCE = 32
+"""Solids that are pressed at once: their arrays stay in the memory of a processor."""
+_TAIL = 5
+"""Least number of rows after the tip is off, for the force there."""
+_WIDE = 1e-2, 1e4
+"""Ends of the prior of the modulus, over that of Hertz."""
+_TOUCHING = 0.02
+"""Least force in contact, over the largest."""
+_ADHESIVE, _DRAG = 0.02, 0.02
+"""Pull-off, and change of the force out of contact, over the largest force, that are remarked."""
+_FASTER = 10.0
+"""Factor by which relaxation times may be below the first time that is determined: faster ones act alike."""
+_DRAWN = 100
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class IndentedSolid(Inference):
+    """A solid inferred from the record of an indenter: an `Inference`, and what the record adds.
+
+    Attributes
+    ----------
+    record, tip, radius, poisson
+        The record; its indenter, and the radius of a ball or punch, m; Poisson's ratio, if it was given.
+    """
+
+    record: Indentation = None  # type: ignore[assignment]
+    tip: Tip = None  # type: ignore[assignment]
+    radius: float = math.nan
+    poisson: float | None = None
+
+    def rows(self) -> list[Row]:
+        """Rows of a summary: the record, its solid, and the retraction that this predicts."""
+        at = np.geomspace(*self.record.span, 3)
+        rows = self.record.rows()
+        for time, (low, value, high) in zip(at, self.modulus_at(at).T, strict=True):
+            rows.append(Row(f"{self.kind} at {time:.3g} s", value, "Pa", (low, high), brief=True))
+        if math.isfinite(self.deviation[0]):
+            best, low, high = (f"{100 * one:.2g}" for one in self.deviation)
+            words = f"{best} % of the largest force (95 %: {low} to {high}), rms in contact"
+            rows.append(Row("retraction off its prediction by", words, brief=True))
+        if self.pull_off > 0:
+            rows.append(Row("pull-off force", self.pull_off, "N", note=self._jkr, digits=2))
+        return [*rows, *super().rows()]
+
+    @property
+    def kind(self) -> str:
+        """Which modulus `modulus_at` is: Young's, or the contact modulus."""
+        return "contact modulus E*" if self.poisson is None else "Young's modulus"
+
+    @property
+    def _jkr(self) -> str:
+        """Work of adhesion by JKR."""
+        if self.tip.exponent != 1.5:
+            return ""
+        work = self.pull_off / (1.5 * math.pi * self.radius)
+        return f", by JKR (elastic) a work of adhesion of {work:.2g} J/m^2"
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Times that the record determines, and findings."""
+        first, last = self.record.span
+        told = f"The record determines the solid from {first:.3g} to {last:.3g} s after a load"
+        return (told, *super().sentences[1:])
+
+    def modulus_at(self, time: ArrayLike) -> Floats:
+        """Relaxation modulus (Young's if Poisson's ratio is known, else E*), Pa, shape (3, n): 95 % band.
+
+        The rows are the 2.5 % quantile, the best fit and the 97.5 % quantile. Trust it within the
+        `Indentation.span` of the record.
+        """
+        t = np.atleast_1d(checks.not_negative("time", time))
+        curves = [self._young * p["modulus"][:, None] * _relaxation(t, p) for p in self._best_and_drawn]
+        low, high = np.quantile(curves[1], (0.025, 0.975), axis=0)
+        return np.array([low, curves[0][0], high])
+
+    @property
+    def _young(self) -> float:
+        return 1.0 if self.poisson is None else 1 - self.poisson**2
+
+    @functools.cached_property
+    def _best_and_drawn(self) -> tuple[dict[str, Floats], dict[str, Floats]]:
+        """Parameters of the best fit, and of draws."""
+        flat = self.draws.flat
+        some = flat[np.linspace(0, len(flat) - 1, _DRAWN).astype(int)]
+        return self.problem.values(self.rivals[0].at[np.newaxis]), self.problem.values(some)
+
+    @functools.cached_property
+    def forces(self) -> pd.DataFrame:
+        """Measured and predicted forces of the whole record, N: best fit, and 95 % band.
+
+        The solid is of the approach and the hold alone: the retraction is predicted. To this the force out of
+        contact after it is added, since the drag of a liquid changes its sign with the velocity.
+        """
+        record, _ = self.record.thinned(3 * _MOST)
+        drag = np.where(np.arange(record.time.size) > record.last, self._rest_after or 0.0, 0.0)
+        whole = [_force(p, record, self.tip) + drag for p in self._best_and_drawn]
+        low, high = np.quantile(whole[1], (0.025, 0.975), axis=0)
+        names = [name for name, *_ in record.segments]
+        starts = np.array([first for _, first, _ in record.segments])
+        part = np.searchsorted(starts, np.arange(record.time.size), "right")
+        table = {"segment": [("before", *names)[at] for at in part]}
+        columns = {"time_s": record.time, "depth_m": record.depth, "force_N": record.force}
+        columns |= {"predicted_N": whole[0][0], "predicted_N_low": low, "predicted_N_high": high}
+        return pd.DataFrame(table | columns)
+
+    @functools.cached_property
+    def deviation(self) -> tuple[float, float, float]:
+        """Rms deviation of the retraction in contact from its prediction, over the largest force.
+
+        Of the best fit, and the ends of its 95 % interval; NaN without a retraction.
+        """
+        record, _ = self.record.thinned(3 * _MOST)
+        after, rest = slice(record.last + 1, None), self._rest_after or 0.0
+        measured = record.force[after]
+        predicted = (
+            np.concatenate([_force(p, record, self.tip)[:, after] for p in self._best_and_drawn]) + rest
+        )
+        touching = np.maximum(measured, predicted) - rest > _TOUCHING * self.record.largest
+        if touching[0].sum() < 3:
+            return math.nan, math.nan, math.nan
+        squares = np.where(touching, (measured - predicted) ** 2, 0.0).sum(-1) / touching.sum(-1)
+        best, *drawn = np.sqrt(squares) / self.record.largest
+        low, high = np.quantile(drawn, (0.025, 0.975))
+        return float(best), float(low), float(high)
+
+    @functools.cached_property
+    def pull_off(self) -> float:
+        """Force by which the tip is pulled at most below the force after it is off, N; 0 if there is none."""
+        rest = self._rest_after
+        if rest is None:
+            return 0.0
+        pulled = rest - float(self.record.force[self.record.last :].min())
+        return pulled if pulled > 5 * noise(self.record.force) else 0.0
+
+    @property
+    def _rest_after(self) -> float | None:
+        """Force out of contact after the retraction, N; None if the record ends before."""
+        after = self.record.force[self.record.last :]
+        tail = after[-max(after.size // 4, 1) :]
+        out = tail.size >= _TAIL and np.ptp(tail) < max(0.1 * self.record.largest, 10 * noise(after))
+        return float(np.median(tail)) if out else None
+
+    def remarked(self) -> IndentedSolid:
+        """The same with remarks on adhesion, on forces out of contact, and on the retraction."""
+        remarks, largest = [], self.record.largest
+        if self.pull_off > _ADHESIVE * largest:
+            remarks.append(
+                f"adhesive: the tip is pulled by up to {self.pull_off:.2g} N before it is off, "
+                f"{100 * self.pull_off / largest:.0f} % of the largest force; this model has no adhesion"
+            )
+        rest = self._rest_after
+        if rest is not None and abs(rest) > _DRAG * largest and self.record.touched:
+            remarks.append(
+                f"out of contact the force after the retraction differs by {rest:.2g} N "
+                "from that before the approach: drag of a liquid, or drift"
+            )
+        if not self.record.touched:
+            remarks.append(
+                "the record begins in contact: its first depth is taken as reached at once, "
+                f"{'at time 0' if self.record.time[0] > 0 else 'at its first time'}"
+            )
+        return replace(self, remarks=(*self.remarks, *remarks))
+
+    def solid(self) -> dict[str, object]:
+        """Section ``[solid]`` of a configuration, of the best fit, without draws.
+
+        Draws have branches alone, and the modulus of a record goes with them.
+        """
+        first, last = self.record.span
+        keys = super().solid() | {"data_first": f"{first:.6g} s", "data_last": f"{last:.6g} s"}
+        keys.pop("draws", None)
+        if self.poisson is not None and "modulus" in keys:
+            modulus, _, unit = str(keys.pop("modulus")).partition(" ")
+            young = {"young": f"{self._young * float(modulus):.6g} {unit}", "poisson": self.poisson}
+            keys = {"kind": keys.pop("kind"), **young, **keys}
+        return keys
+
+
+def of_record(
+    record: Indentation,
+    *,
+    tip: object,
+    radius: float | str | None = None,
+    angle: float | str | None = None,
+    poisson: float | None = None,
+    priors: Mapping[str, Given] | None = None,
+    branches: int | None = None,
+    sampling: Sampling | None = None,
+    seed: int = 0,
+    progress: Progress | bool | None = None,
+) -> IndentedSolid:
+    """Infer the solid under an indenter; arguments are those of `asperity.infer`."""
+    shape = tip_of(checks.choice("model", tip, SHAPES), radius, angle)
+    if poisson is not None:
+        poisson = checks.number("poisson", poisson, least=-1, most=0.5)
+    few, count = record.thinned(_MOST)
+    near = few.reached - REACH * (few.depth[few.last] - few.reached)
+    first = few.touched if few.contact is not None else int(np.argmax(few.depth > near))
+    rows = slice(first, few.last + 1)
+    error = record.largest / np.sqrt(count[rows])
+    family = []
+    for n in [branches] if branches else range(1, MOST_BRANCHES + 1):
+        model = _model(str(tip), few, shape, n)
+        problem = Problem(few.time[rows], few.force[rows], error, model, informed=False)
+        family.append((counted(n, "relaxation time"), n, problem))
+
+    def stated(first: Any) -> Model | None:
+        return _with_priors(first.problem.model, priors) if priors else None
+
+    with listener(progress) as listening:
+        how: Any = {"seed": seed, "quantity": "force", "unit": "N", "listening": listening}
+        found = conclude(family, stated=stated, sampling=sampling, **how)
+    inherited = {field.name: getattr(found, field.name) for field in fields(found)}
+    length = math.nan if radius is None else float(units.number("radius", radius, "m"))
+    facts = {"record": record, "tip": shape, "radius": length, "poisson": poisson, "candidates": ()}
+    return IndentedSolid(**inherited | facts).remarked()
+
+
+def _with_priors(model: Model, priors: Mapping[str, Given]) -> Model:
+    if unknown := [name for name in priors if name not in model.priors]:
+        expected = f"a parameter: {', '.join(model.priors)}"
+        raise InputError(f"prior of {unknown[0]}", expected=expected, got=unknown[0])
+    ranges = {name: Prior.of(name, stated, model.priors[name].unit) for name, stated in priors.items()}
+    return replace(model, priors=model.priors | ranges)
+
+
+def _model(name: str, record: Indentation, tip: Tip, branches: int) -> Model:
+    """Force of the approach and the hold; the depth stays at later times."""
+    first, last = record.span
+    creep = relaxation(first, last, branches)
+    priors = {"modulus": _modulus(record, tip)}
+    priors |= {name: prior for name, prior in creep.priors.items() if name.startswith(("share_", "time_"))}
+    faster = {
+        name: replace(prior, first=first / _FASTER) for name, prior in priors.items() if prior.unit == "s"
+    }
+    priors |= faster
+    if record.contact is None:
+        reach = REACH * (record.depth[record.last] - record.reached)
+        priors["contact"] = Prior("uniform", record.reached - reach, record.reached + reach, "m")
+
+    def curve(time: Floats, p: Values) -> Floats:
+        return _force(p, record, tip, time)
+
+    return Model(name, curve, priors, excess=creep.excess, solid=creep.solid)
+
+
+def _modulus(record: Indentation, tip: Tip) -> Prior:
+    """Range of the contact modulus, about that of an elastic solid at the largest force."""
+    deep = record.depth[record.last] - record.reached
+    elastic = record.largest / (tip.factor * deep**tip.exponent)
+    return Prior("log_uniform", _WIDE[0] * elastic, _WIDE[1] * elastic, "Pa")
+
+
+def _force(p: Values, record: Indentation, tip: Tip, time: Floats | None = None) -> Floats:
+    """Force at the rows of a record, or at times before its retraction, with a depth that stays: (m, n)."""
+    shares, times = _branches(p)
+    every = np.column_stack([np.maximum(1 - shares.sum(-1), 0.0), shares])
+    t, depth, last = record.time, record.depth, record.last
+    if time is not None:
+        later = np.unique(time[time > t[last]])
+        depth = np.append(depth[: last + 1], np.full(later.size, depth[last]))
+        t = np.append(t[: last + 1], later)
+        last = t.size - 1
+    if not record.touched and t[0] > 0:  # pressed at time 0
+        t = np.append(0.0, t[1:])
+    contact = np.broadcast_to(p.get("contact", np.array(record.contact, dtype=float)), p["modulus"].shape)
+    alike = "contact" not in p  # the depths of all
+    parts = []
+    for first in range(0, len(times), _AT_ONCE):
+        some = slice(first, first + _AT_ONCE)
+        d = depth - contact[some][: 1 if alike else None, None]
+        parts.append(forces(t, d, every[some], times[some], tip.exponent, last))
+    force = tip.factor * p["modulus"][:, None] * np.concatenate(parts)
+    if time is None or np.array_equal(time, t):
+        return np.asarray(force)
+    return np.array([np.interp(time, t, one) for one in force])
+
+
+def _branches(p: Values) -> tuple[Floats, Floats]:
+    """Shares and times, shape (m, branches)."""
+    named = [[x for name, x in p.items() if name.startswith(kind)] for kind in ("share_", "time_")]
+    return np.stack(named[0], -1), np.stack(named[1], -1)
+
+
+def _relaxation(time: Floats, p: Values) -> Floats:
+    """Relaxation over its first value, shape (m, n)."""
+    shares, times = _branches(p)
+    return np.asarray(1 + (shares[:, None] * np.expm1(-time[:, None] / times[:, None])).sum(-1))
