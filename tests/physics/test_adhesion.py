@@ -16,6 +16,7 @@ from asperity.app.config import to_toml
 from asperity.app.config.python import to_python
 from asperity.app.config.reading import config_from
 from asperity.base.parameters import Quantity
+from asperity.contact import ActiveSet
 from asperity.contact.choice import chosen_solver
 from asperity.errors import PulledOff, Remark
 from asperity.results import load_contact
@@ -127,6 +128,40 @@ def test_a_long_range_pulls_as_on_rigid_bodies():
     assert contact.area > 0  # B. V. Derjaguin, V. M. Muller, Yu. P. Toporov: up to 2 pi w R
     with pytest.raises(PulledOff):
         asp.press(contact, load=-2.02 * one)
+
+
+class Rounds:
+    """A solver that does not know of adhesion, so that contacts are solved for one attraction at a time."""
+
+    def solve(self, problem, guess, accuracy):
+        assert problem.interface.adhesion is None
+        return ActiveSet().solve(problem, guess, accuracy)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_attraction_revised_with_the_contacts_leads_to_states_of_no_more_energy(seed):
+    draw = np.random.default_rng(seed)
+    kind = {"hurst": draw.uniform(0.5, 1), "cutoff": draw.choice([8.0, 16.0]), "roll_off": 32.0}
+    rough = asp.surfaces.spectral((80, 80), rms_height=draw.uniform(0.3, 1.5), seed=seed, **kind)
+    length = draw.uniform(0.05, 0.4)
+    law = Dugdale(work=math.pi * length**2 / 4 / draw.uniform(7, 30), range=length)
+    solid, pressure = half_space(modulus=1.0, adhesion=law), 10 ** draw.uniform(-4, -2)
+    rounds = contact = asp.press(rough, solid, pressure=pressure, solver=Rounds())
+    for part in (None, 4.0, 1.0, 0.25, 2.0):  # approach, retreat and approach again
+        if part is None:
+            contact = asp.press(rough, solid, pressure=pressure)
+        else:
+            contact = asp.press(rounds, pressure=part * pressure)
+            rounds = asp.press(rounds, pressure=part * pressure, solver=Rounds())
+        judged(contact)
+        within, reference = (one.gap < law.range for one in (contact, rounds))
+        assert (within != reference).mean() < 0.01
+        if (within != reference).any():  # fronts that pixels pin have gone a pixel further
+            energy, most = (one.energy + one.load * one.u.mean() for one in (contact, rounds))
+            assert energy < most + 1e-9 * abs(most)
+        else:
+            assert np.array_equal(contact.in_contact, rounds.in_contact)
+            np.testing.assert_allclose(contact.u, rounds.u, rtol=0, atol=1e-7 * law.range)
 
 
 def test_far_balls_stick_as_one_each():

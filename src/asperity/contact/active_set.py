@@ -19,12 +19,18 @@ arithmetic this ends for every positive definite S (J. J. Judice, F. M. Pires, C
 
 Where the forces have an upper bound, contacts that exceed it yield: they are free under the bound as an
 external force, until the surface comes back to the heights: the same method with three kinds of sites.
+
+Where sites attract each other, revisions of the contacts also take the attraction of the present surface,
+once few contacts are wrong. It begins with that of the surface before, and no site is pulled before the
+surface has come within the range, so that the contact remembers. After many revisions the attraction is taken
+from solved contacts alone, see `asperity.contact.adhesive`: that sequence ends.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -41,7 +47,7 @@ from asperity.contact.problem import (
     SpectralProblem,
     mean_by_rounding,
 )
-from asperity.errors import ConvergenceError
+from asperity.errors import ConvergenceError, PulledOff
 from asperity.lattice import Field, Mask
 
 
@@ -74,6 +80,12 @@ class Tuning:
     patience: int = 5
     """Exchanges of all wrong sites allowed without a new record, before single exchanges begin."""
 
+    steady: float = 0.005
+    """Part of the contacts that may be wrong where the attraction is revised with them."""
+
+    most_joint: int = 300
+    """Revisions of contacts and attraction together, after which contacts are solved for each attraction."""
+
     most_revisions: int = 10_000
     """Revisions of the set after which the solver gives up."""
 
@@ -101,6 +113,8 @@ class ActiveSet:
     max_iterations: int = 10_000
     arrays: str = "numpy"
 
+    knows_adhesion: ClassVar[bool] = True
+
     def __post_init__(self) -> None:
         most = checks.integer("max_iterations", self.max_iterations, least=0)
         object.__setattr__(self, "max_iterations", most)
@@ -117,27 +131,37 @@ class ActiveSet:
             The array library is not installed.
         """
         modes = problem.spectral()
-        guess, rounds = guess or cold_start(modes, self), 0
+        pull, rounds = modes.first_pull(guess), 0
+        known = modes.without_adhesion(pull)
+        guess = guess or cold_start(known, self)
         # Where an error is allowed few iterations are left: forces from nothing take no less time.
         if self.arrays == "numpy" and accuracy.error == 0 and not modes.interface.yields:
-            guess, rounds = solved_on_contacts(modes, guess, accuracy.residual)
-        run = _Run(self, modes, guess, accuracy)
+            guess, rounds = solved_on_contacts(known, guess, accuracy.residual)
+        run = _Run(self, modes, guess, accuracy, pull)
         run.iterations = rounds
         while True:
             run.reduce_residual()
             wrong = run.wrong_sites()
-            if bool(run.xp.any(wrong)):
-                if not accuracy.settled and run.unimportant(wrong):
+            if not (bool(run.xp.any(wrong)) or run.attraction_moves()):
+                if run.converged():
                     return run.solution()
-                run.exchange(wrong)
-            elif run.converged():
+            elif not accuracy.settled and run.attracted_anew and run.unimportant(wrong):
                 return run.solution()
+            else:
+                run.exchange(wrong)
 
 
 class _Run:
     """The state of one solve. Fields are arrays of the library; so are S, b and the heights."""
 
-    def __init__(self, method: ActiveSet, problem: SpectralProblem, guess: Guess, accuracy: Accuracy) -> None:
+    def __init__(
+        self,
+        method: ActiveSet,
+        problem: SpectralProblem,
+        guess: Guess,
+        accuracy: Accuracy,
+        pull: Field | None,
+    ) -> None:
         self.method, self.problem, self.interface = method, problem, problem.interface
         self.tolerance, self.allowed_error = accuracy.residual, accuracy.error
         self.allowed_imbalance = math.inf
@@ -153,7 +177,10 @@ class _Run:
         below = named is not None and self.interface.yields and touching & (guess.u < problem.heights)
         self.yielding = xp.asarray(np.broadcast_to(below, touching.shape), copy=True)
         self.in_contact = xp.asarray(touching, copy=True) & ~self.yielding
-        self.iterations = self.set_changes = 0
+        law = self.interface.adhesion
+        self.strength = law.strength * self.interface.cell if law else 0.0
+        self.pull, self.attracted_anew = None if pull is None else xp.asarray(pull), pull is None
+        self.iterations = self.set_changes = self.revisions = 0
         self.record = problem.lattice.sites + 1
         self.patience, self.reduction = TUNING.patience, TUNING.reduction
         self.single = True
@@ -163,6 +190,8 @@ class _Run:
         """Begin on the present set of contacts."""
         xp = self.xp
         load = self.problem.load
+        if self.pull is not None and self.interface.parts(load, self.pull):
+            raise PulledOff
         if load is not None and not xp.any(self.in_contact):
             # The surface sinks as it is, until the sites that it then yields on carry the load, but for one.
             gap = u - self.heights
@@ -186,6 +215,8 @@ class _Run:
         lattice, rhs = self.problem.lattice, self.problem.rhs
         if self.borne:
             rhs = rhs + lattice.forward(self.interface.high * to_numpy(self.yielding))
+        if self.pull is not None:
+            rhs = rhs + lattice.forward(to_numpy(self.pull))
         modes = rhs / self.problem.stiffness
         if not modes.flat[1:].any():
             return np.full(lattice.shape, modes.flat[0].real / lattice.sites)
@@ -201,6 +232,8 @@ class _Run:
         self.fresh = True
         if self.borne:
             self.force -= self.interface.high * xp.astype(self.yielding, self.force.dtype)
+        if self.pull is not None:
+            self.force -= self.pull
         indentation = largest(self.u, xp)
         rounding = indentation * float(self.problem.stiffness.flat[0])
         self.force -= mean_by_rounding(self.force, self.in_contact, rounding, xp)
@@ -298,7 +331,7 @@ class _Run:
 
     def is_careful(self) -> bool:
         """Whether so many revisions have been made that something may be going round in circles."""
-        return self.set_changes > TUNING.careful_after
+        return self.revisions > TUNING.careful_after
 
     def unimportant(self, wrong: Mask) -> bool:
         """Whether u is as accurate as it is to be, although some sites are on the wrong side."""
@@ -320,9 +353,12 @@ class _Run:
                 f"contact solver: {self.set_changes - 1} revisions of the set of contacts did not settle it; "
                 f"try {advice}"
             )
+        self.revisions += 1
         count = int(xp.count_nonzero(wrong))
-        moved = count / max(self.contacts, 1)
+        moved = (count + self.attract(count)) / max(self.contacts, 1)
         self.reduction = min(TUNING.reduction, TUNING.reduction_per_change * moved)
+        if self.set_changes > TUNING.most_joint:
+            self.reduction = TUNING.digits
         if self.is_careful():
             self.allowed_error = 0.0
             if count < self.record:
@@ -336,6 +372,28 @@ class _Run:
         self.yielding = xp.where(wrong, above, self.yielding)
         self.in_contact ^= wrong
         self.start(self.u)
+
+    def attract(self, wrong: int) -> int:
+        """Take the attraction of the surface as it is, if that is near; how many sites this moves."""
+        if self.pull is None:
+            return 0
+        joint = self.set_changes <= TUNING.most_joint and wrong <= TUNING.steady * self.contacts
+        if wrong and not joint:
+            return 0
+        before, self.pull, self.attracted_anew = self.pull, self.attraction(), True
+        self.revisions, self.record, self.patience = 0, self.problem.lattice.sites + 1, TUNING.patience
+        return int(self.xp.count_nonzero(self.pull != before))
+
+    def attraction(self) -> Field:
+        """The adhesive force of the present surface."""
+        attraction: Field = self.xp.asarray(self.interface.pull(to_numpy(self.u - self.heights)))
+        return attraction
+
+    def attraction_moves(self) -> bool:
+        """Whether the adhesive force is not that of the present surface."""
+        if self.pull is None:
+            return False
+        return largest(self.attraction() - self.pull, self.xp) > self.tolerance * self.strength
 
     def converged(self) -> bool:
         """Whether the force, evaluated afresh, is within tolerance and right, or u accurate enough."""

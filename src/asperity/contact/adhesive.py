@@ -5,7 +5,8 @@ tangent of phi at the last gap is an external force. With it the problem is as w
 solution has less energy than the last one (difference of convex functions; P. D. Tao, L. T. H. An, Acta
 Math. Vietnam. 22, 289 (1997)). The force of Dugdale's law depends on the set of sites within the range alone.
 There are finitely many sets, so the sequence ends. It begins with the set of the state before, or with none:
-so the contact remembers.
+so the contact remembers. `asperity.contact.active_set` revises the attraction along with its contacts; the
+sequence is for other solvers.
 """
 
 from __future__ import annotations
@@ -35,9 +36,6 @@ class Tuning:
     rough: float = 1e-3
     """Residual of contacts before the attraction has settled."""
 
-    rounding: float = 64 * float(np.finfo(float).eps)
-    """Load plus attraction, over the attraction, below which it is rounding."""
-
     share: float = 0.1
     """Share of the sites passing the range that change in a round of a gradual step, one site at least."""
 
@@ -56,24 +54,26 @@ class Adhesive:
 
     def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
         """Solve until the attraction is that of the gap; `PulledOff` if that does not bear the load."""
-        interface, heights = problem.interface, problem.heights
-        if interface.adhesion is None:
+        interface = problem.interface
+        gradual = guess is not None and guess.gradual
+        if interface.adhesion is None or (getattr(self.solver, "knows_adhesion", False) and not gradual):
             return self.solver.solve(problem, guess, accuracy)
-        last = np.inf if guess is None else guess.u if guess.last is None else guess.last
-        pull = interface.pull(np.broadcast_to(last - heights, heights.shape))
+        modes = problem.spectral()
+        pull = modes.first_pull(guess)
+        assert pull is not None
         slack, iterations, revisions = accuracy.residual * interface.adhesion.strength * interface.cell, 0, 0
         rough = replace(accuracy, residual=max(accuracy.residual, TUNING.rough))
-        settled, gradual = False, guess is not None and guess.gradual
+        settled = False
         for _ in range(TUNING.most_rounds):
-            load, attraction = problem.spectral().load, -float(pull.sum())
-            if load is not None and load + attraction <= TUNING.rounding * attraction:
+            if interface.parts(modes.load, pull):
                 raise PulledOff
-            solution = self.solver.solve(problem.beside(pull), guess, accuracy if settled else rough)
+            known = modes.without_adhesion(pull)
+            solution = self.solver.solve(known, guess, accuracy if settled else rough)
             iterations, revisions = iterations + solution.iterations, revisions + solution.set_changes
-            before, pull = pull, interface.pull(solution.u - heights)
+            before, pull = pull, interface.pull(solution.u - modes.heights)
             stays = float(np.abs(pull - before).max()) <= slack
             if gradual and not stays:
-                pull = _few(before, pull, solution.u - heights, interface.adhesion)
+                pull = _few(before, pull, solution.u - modes.heights, interface.adhesion)
             if stays and (settled or rough == accuracy):
                 return replace(solution, iterations=iterations, set_changes=revisions)
             settled = stays

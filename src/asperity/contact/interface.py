@@ -16,6 +16,9 @@ from asperity.adhesion import Adhesion
 from asperity.lattice import Field, Lattice, Mask
 from asperity.solids import Solid
 
+_ROUNDING = 64 * float(np.finfo(float).eps)
+"""Load plus attraction, over the attraction, below which it is rounding."""
+
 
 @dataclass(frozen=True, eq=False)
 class Interface:
@@ -46,6 +49,11 @@ class Interface:
         """The force by which sites attract each other, at most 0, where there is adhesion."""
         assert self.adhesion is not None
         return -self.cell * self.adhesion.traction(gap)
+
+    def parts(self, load: float | None, pull: Field) -> bool:
+        """Whether an attraction does not bear a load that pulls, but for rounding."""
+        attraction = -float(pull.sum())
+        return load is not None and load + attraction <= _ROUNDING * attraction
 
     def bond(self, gap: Field) -> float:
         """Energy of adhesion, at most 0."""

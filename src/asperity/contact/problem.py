@@ -17,6 +17,7 @@ in terms of neighbors, for the lattice of springs. The second can be turned into
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Protocol, runtime_checkable
@@ -58,6 +59,17 @@ class SpectralProblem:
     def beside(self, external: Field | None) -> SpectralProblem:
         """Return the problem with an external force of each site as well; the load is of both."""
         return self if external is None else replace(self, rhs=self.rhs + self.lattice.forward(external))
+
+    def without_adhesion(self, pull: Field | None) -> SpectralProblem:
+        """Return the problem whose adhesion is a known force."""
+        return replace(self.beside(pull), interface=replace(self.interface, adhesion=None))
+
+    def first_pull(self, guess: Guess | None) -> Field | None:
+        """The adhesive force of the surface before, with which a solver starts; None where nothing sticks."""
+        if self.interface.adhesion is None:
+            return None
+        last = math.inf if guess is None else guess.u if guess.last is None else guess.last
+        return self.interface.pull(np.broadcast_to(last - self.heights, self.heights.shape))
 
     def force(self, u: Field) -> Field:
         """Contact force r = S u - b at every site."""
