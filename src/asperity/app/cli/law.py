@@ -95,10 +95,10 @@ def law(
         compute_into(
             "law",
             out,
-            f"{to_toml(settings)}{own}",
+            to_toml(settings, law=own),
             functools.partial(law_of_config, settings, **own),
             rows=lambda outcome: rows_of(outcome.dataset),
-            write=functools.partial(write_law, programs=write, age=age, millimeters=millimeters),
+            write=functools.partial(write_law, own=own, programs=write, age=age, millimeters=millimeters),
             every=0.0,
             results=results,
             replaceable=replaceable,

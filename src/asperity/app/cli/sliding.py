@@ -64,7 +64,7 @@ def sliding(
         compute_into(
             "sliding",
             out,
-            f"{to_toml(settings)}{own}",
+            to_toml(settings, sliding=own),
             functools.partial(sliding_of_config, settings, **own),
             rows=lambda outcome: rows_of(outcome.dataset),
             write=functools.partial(write_sliding, own=own),

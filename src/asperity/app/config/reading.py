@@ -130,9 +130,9 @@ def from_tables(tables: dict[str, Any]) -> RunConfig:
     return RunConfig.read(tables)
 
 
-def to_toml(config: RunConfig) -> str:
-    """Write a configuration as `read_config` reads it."""
-    return tables_to_toml(to_tables(config))
+def to_toml(config: RunConfig, **questions: Mapping[str, Any]) -> str:
+    """Write a configuration as `read_config` reads it, or with the keys of questions as `asked_at` does."""
+    return tables_to_toml(to_tables(config) | questions)
 
 
 def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from asperity.app.cli.output import heads_of
 from asperity.app.config import to_toml
@@ -14,15 +15,21 @@ from asperity.figures.writing import write_each
 
 
 def write_law(
-    outcome: Outcome, folder: Path, *, programs: Sequence[Program], age: str | None, millimeters: bool
+    outcome: Outcome,
+    folder: Path,
+    *,
+    own: Mapping[str, Any],
+    programs: Sequence[Program],
+    age: str | None,
+    millimeters: bool,
 ) -> None:
-    """Write the table, the configuration, files for other programs, and the figure."""
+    """Write table, configuration with the keys of the question, files for other programs, and figure."""
     dataset = outcome.dataset
     order = ["direction", "time", "pressure", *map(str, dataset.data_vars)]
     table = dataset.to_dataframe().reset_index()[order]
     table = table.rename(columns=heads_of({name: dataset[name] for name in order}))
     table.to_csv(folder / "law.csv", index=False, lineterminator="\n")
-    (folder / "config.toml").write_text(to_toml(outcome.config), encoding="utf-8")
+    (folder / "config.toml").write_text(to_toml(outcome.config, law=own), encoding="utf-8")
     for program in programs:
         for direction in dataset["direction"].values.tolist():
             text = law_for(program, dataset, age=age, direction=direction, millimeters=millimeters)

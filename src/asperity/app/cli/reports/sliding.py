@@ -9,7 +9,6 @@ from typing import Any
 from asperity.app.cli.output import heads_of
 from asperity.app.config import to_toml
 from asperity.app.runs import Outcome
-from asperity.base.words import tables_to_toml
 from asperity.figures import steady_sliding_figure
 from asperity.figures.writing import write_each
 
@@ -22,6 +21,5 @@ def write_sliding(outcome: Outcome, folder: Path, *, own: Mapping[str, Any]) -> 
     si = dataset["speed"].attrs["units"] == "m/s"
     heads = heads_of({str(name): dataset[name] for name in table}, si=si)
     table.rename(columns=heads).to_csv(folder / "sliding.csv", index=False, lineterminator="\n")
-    text = f"{to_toml(outcome.config)}\n{tables_to_toml({'sliding': dict(own)})}"
-    (folder / "config.toml").write_text(text, encoding="utf-8")
+    (folder / "config.toml").write_text(to_toml(outcome.config, sliding=own), encoding="utf-8")
     write_each({"sliding": lambda: steady_sliding_figure(dataset)}, folder, outcome.config.output.figures)
