@@ -86,10 +86,10 @@ def modulus_figure(found: IndentedSolid) -> style.Drawing:
     """Draw the modulus against time after a load, where the record determines it."""
     figure, (axes,) = style.stacked((style.COLUMN, 2.2), 1)
     time = np.geomspace(*found.record.span, 60)
-    low, best, high = found.modulus_at(time)
-    unit, factor = in_unit(float(best[0]), "Pa")
+    low, median, high = found.modulus_at(time)
+    unit, factor = in_unit(float(median[0]), "Pa")
     axes.fill_between(time, factor * low, factor * high, color=style.SKY, alpha=0.5, label="95 % band")
-    axes.plot(time, factor * best, color=style.BLUE, label="best fit")
+    axes.plot(time, factor * median, color=style.BLUE, label="median")
     axes.set_xscale("log")
     axes.set_ylim(bottom=0)
     axes.set_xlabel("time after a load [s]")

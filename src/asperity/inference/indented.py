@@ -95,13 +95,13 @@ class IndentedSolid(Inference):
     def modulus_at(self, time: ArrayLike) -> Floats:
         """Relaxation modulus (Young's if Poisson's ratio is known, else E*), Pa, shape (3, n): 95 % band.
 
-        The rows are the 2.5 % quantile, the best fit and the 97.5 % quantile. Trust it within the
+        The rows are the 2.5 % quantile, the median and the 97.5 % quantile of draws. Trust it within the
         `Indentation.span` of the record.
         """
         t = np.atleast_1d(checks.not_negative("time", time))
-        curves = [self._young * p["modulus"][:, None] * _relaxation(t, p) for p in self._best_and_drawn]
-        low, high = np.quantile(curves[1], (0.025, 0.975), axis=0)
-        return np.array([low, curves[0][0], high])
+        drawn = self.problem.values(self.draws.flat)
+        curves = self._young * drawn["modulus"][:, None] * _relaxation(t, drawn)
+        return np.quantile(curves, (0.025, 0.5, 0.975), axis=0)
 
     @property
     def _young(self) -> float:
