@@ -77,8 +77,10 @@ class Frame:
 
     @cached_property
     def hysteresis_friction(self) -> float:
-        """Force of the slopes of the rough surface against its motion, or against that to come."""
+        """Force of the slopes of the rough surface against its motion, or against that to come, if any."""
         contact = self.contact
+        if not self.way:
+            return math.nan
         slope = slope_of(waves_along(contact.lattice, unit_vector(contact.lattice, self.way)))
         return friction_of_slopes(contact.lattice, slope, contact.heights, contact.u, contact.force)
 

@@ -37,6 +37,7 @@ _IN_WORDS = {
     "nm": r"nanomet(?:er|re)s?",
 }
 _PREFIXES = {"": 1.0, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
+_BASES = {"s", "m", "N", "Pa", "J", "K", "W", "Hz", "ohm", "rad"}
 _WITHOUT_PREFIX = ("minute", "hour", "day", "week", "year")
 """Units that have no prefix, though Pint takes hh for hectohours."""
 
@@ -193,7 +194,7 @@ def factor(unit: str, target: str) -> float | None:
 def _converted(amount: float, unit: str, target: str) -> float | None:
     prefix = _PREFIXES.get(unit.removesuffix(target))
     # Only the first unit has the prefix: mm^2 is (1e-3 m)^2, and k1/Pa is none.
-    if prefix and unit.endswith(target) and target.partition("/")[0].replace(" ", "").isalpha():
+    if prefix and unit.endswith(target) and target.partition("/")[0].split(" ")[0] in _BASES:
         return amount * prefix
     unit = unit.replace("⁻", "-").replace("¹", "1").replace("²", "2").replace("³", "3").replace("·", "*")
     unit = re.sub(r"\s*/\s*", "/", _EXPONENT.sub(r"^\1", unit).replace("Ohm", "ohm"))

@@ -10,10 +10,9 @@ in contact: see `ShearStrength`.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from asperity.ask.strength import ShearStrength
 from asperity.base import checks, units
@@ -21,6 +20,9 @@ from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.results.quantities import select, units_named
 from asperity.theory import static_friction
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | str) -> xr.Dataset:
@@ -37,6 +39,8 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
     history lacks, or one that grows with the age of contacts. The coefficient is
     `asperity.theory.static_friction`.
     """
+    import xarray as xr
+
     checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
     law = shear_strength if isinstance(shear_strength, ShearStrength) else ShearStrength(shear_strength)  # type: ignore[arg-type]
     if law.growth:

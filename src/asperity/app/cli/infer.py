@@ -165,7 +165,6 @@ def _data(
     """Read times in s, values, errors, remarks, the source, and facts about the quantity."""
     from asperity.fits import read_measurements
     from asperity.fits.measurements import errors_beside
-    from asperity.inference.indenting import is_record
     from asperity.sheets.tables import read_table
 
     names = read_table(file).names
@@ -190,7 +189,7 @@ def _data(
     try:
         table = read_measurements(file, wanted, **chosen, **reading)
     except InputError as mistake:
-        if model == "ball" and is_record(file):
+        if model == "ball" and _is_record(file):
             words = "the radius of the ball, for a record of depth and force"
             raise InputError("--radius", expected=words, got="none", cure={"radius": "10um"}) from None
         if "quantity" not in mistake.cure:
@@ -247,6 +246,12 @@ def _of_indenter(file: Path, reading: dict[str, Any], indenter: Indenter) -> tup
             check_unit(f"--{flag}", number(value), units.get(flag, "m"))
     record, read = read_indentation(file, **reading, **indenter.reading())
     return record, None, None, (), read, {"quantity": None, "absolute": False, "unit": "N"}
+
+
+def _is_record(file: Path) -> bool:
+    from asperity.inference.indenting import is_record
+
+    return is_record(file)
 
 
 def _error(error: float | str | None, value: Any, unit: float) -> Any:
