@@ -13,13 +13,16 @@ from asperity.app.cli.flags import flags_for, given
 from asperity.app.config import read_config
 from asperity.app.config.legs import legs_from_words
 from asperity.app.config.python import to_python
+from asperity.app.runs import Progress, execute
 from asperity.app.runs.pipeline import recorded_times
+from asperity.ask.run import RunConfig
 from asperity.base.words import tables_to_toml
 from asperity.errors import ConfigError, InputError
 from asperity.protocols import Hold, Ramp, Repeat, Slide, Step
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian
 from tests.cli.conftest import rows_of
+from tests.refusals import refuses
 
 LEGS = ("--leg", "hold 1", "--leg", "step load=8", "--leg", "ramp 2 load=30", "--leg", "hold 4 mobility=2")
 SMALL = ("--shape", "32x32", "--load", "20", "--first", "0.1", "--per-decade", "2")
@@ -108,6 +111,22 @@ def test_units_of_legs_may_stand_apart():
     for leg in legs_from_words(["ramp 5 s pressure=2 MPa mobility=3", "ramp 5s pressure = 2MPa mobility=3"]):
         assert leg["mobility"] == 3
         assert [str(leg[key]).replace(" ", "") for key in ("duration", "pressure")] == ["5s", "2MPa"]
+
+
+@pytest.mark.parametrize(
+    "leg", ["hold 1h", "step pressure=2MPa", "ramp 1s load=1N", "slide distance=8um velocity=5um/s"]
+)
+def test_a_leg_with_units_is_refused_on_a_solid_without(leg, tmp_path):
+    config = RunConfig.read(
+        {
+            "surface": {"kind": "gaussian", "shape": [16, 16]},
+            "contact": {"load": 20.0},
+            "protocol": legs_from_words(["hold 1", leg, "repeat 2"]),
+        }
+    )
+    unit = re.search(r"(1h|2MPa|1s|8um)", leg)
+    with refuses("quantities", unit[0] if unit else "none"):
+        execute(config, Progress())
 
 
 def test_sliding_and_friction_from_flags(tmp_path, says):

@@ -69,7 +69,8 @@ def number(name: str, value: object, unit: str, **bounds: Any) -> float:
     """
     text = as_text(value)
     if not (unit and isinstance(text, str)):
-        return checks.number(name, value, **bounds)
+        checked = checks.number(name, value, **bounds)
+        return value if isinstance(value, InUnits) else checked  # it is read twice, and remembers its unit
     if not has_unit(text):
         raise _no_quantity(name, text, unit)
     return InUnits.of(checks.number(name, quantity(text, unit, name), **bounds), str(value), unit)
