@@ -23,7 +23,7 @@ from asperity.ask.surface import SURFACES, SurfaceSection
 from asperity.base.checks import choice, shown
 from asperity.base.files import Format
 from asperity.base.parameters import Quantity
-from asperity.errors import SHOWN_PROBLEMS, InputError, Name
+from asperity.errors import SHOWN_PROBLEMS, InputError, Name, Words
 from asperity.protocols import Leg
 from asperity.protocols.histories import start_of
 from asperity.protocols.legs import described
@@ -310,7 +310,7 @@ class RunConfig:
             )
             expected = f"{origin} of the times to record, {first:g} to {self.end:g} s"
             cure = {"extrapolate": word} if of_data or not early else {}
-            advice = "branches" if cure and not of_data else ""
+            advice: Words = (Name("branches"),) if cure and not of_data else ""
             got = "{:g} to {:g} s".format(*known)
             raise self.solid.wrong(key, expected=expected, got=got, cure=cure, advice=advice)
 

@@ -127,8 +127,7 @@ def remarks_on_bodies(rough: Surface, solid: Solid) -> Iterator[str]:
     if "periodic_rule" in rough.provenance and rough.edges == "free":
         yield "edges are free: the body ends with the scan, and does not tilt"
     elif "periodic_rule" in rough.provenance and rough.edges == "reflecting":
-        cure = "if the body ends with the scan, set edges = 'free'"
-        yield f"edges reflect, as for a part of a larger surface; {cure}"
+        yield "edges reflect, as for a part of a larger surface; a body that ends with the scan has free ones"
     if _is_shape(rough) or not (solid.in_lengths and rough.has_lengths):
         return
     measures, modulus = rough.in_si, solid.modulus or math.inf

@@ -42,13 +42,14 @@ def steady_sliding_figure(dataset: xr.Dataset) -> style.Drawing:
         if f"{name}_low" in dataset:
             low, high = (factor * dataset[f"{name}_{end}"].values for end in ("low", "high"))
             axes.fill_between(speed, low, high, color=color, alpha=0.2, lw=0)
-    above.set_ylabel("friction coefficient")
+    of_all = "friction_coefficient" in dataset
+    above.set_ylabel("friction coefficient" if of_all else "friction coefficient, hysteresis")
     below.set_ylabel("contact [%]")
     below.set_xlabel(style.with_unit("sliding speed", unit))
     for axes in (above, below):
         axes.set_xscale("log")
         axes.set_ylim(bottom=0)
-        style.finish(axes, legend=axes is above and "friction_coefficient" in dataset)
+        style.finish(axes, legend=axes is above and of_all)
     figure.align_ylabels([above, below])
     area = float(dataset.attrs["nominal_area"])
     pressure = float(dataset.attrs["load"]) / area

@@ -91,7 +91,6 @@ def modulus_figure(found: IndentedSolid) -> style.Drawing:
     axes.fill_between(time, factor * low, factor * high, color=style.SKY, alpha=0.5, label="95 % band")
     axes.plot(time, factor * median, color=style.BLUE, label="median")
     axes.set_xscale("log")
-    axes.set_ylim(bottom=0)
     axes.set_xlabel("time after a load [s]")
     axes.set_ylabel(f"{found.kind} [{style.spelled(unit)}]")
     style.finish(axes)

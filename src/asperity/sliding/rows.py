@@ -18,7 +18,9 @@ def rows_of(dataset: xr.Dataset) -> list[Row]:
     unit = str(dataset["largest_pressure"].attrs["units"])
     unit = unit if unit == "Pa" else "1"
     friction = dataset["hysteresis_friction_coefficient"].values
-    places = {"slowest": 0, "largest friction": int(np.argmax(friction)), "fastest": friction.size - 1}
+    largest, fastest = int(np.argmax(friction)), friction.size - 1
+    ends = "largest friction" if 0 < largest < fastest else "largest friction, at the end of the speeds"
+    places = {"slowest": 0, ends: largest, "fastest": fastest}
     return [
         *bodies_rows(dataset.attrs),
         Row("pressure", attrs["load"] / attrs["nominal_area"], unit, note=" over the nominal area", digits=4),

@@ -189,9 +189,10 @@ def _data(
     try:
         table = read_measurements(file, wanted, **chosen, **reading)
     except InputError as mistake:
-        if model == "ball" and _is_record(file):
-            words = "the radius of the ball, for a record of depth and force"
-            raise InputError("--radius", expected=words, got="none", cure={"radius": "10um"}) from None
+        if model in ("ball", "relaxation") and _is_record(file):
+            words, cure = "the radius of the ball, for a record of depth and force", {"radius": "10um"}
+            cure = cure if model == "ball" else {"model": "ball"} | cure
+            raise InputError("--radius", expected=words, got="none", cure=cure) from None
         if "quantity" not in mistake.cure:
             raise
         expected, got = mistake.expected, mistake.got
