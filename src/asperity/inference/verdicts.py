@@ -183,7 +183,8 @@ class Posterior:
         """Which ends of each prior the data exclude, without those that follow from ranges of other priors.
 
         An end follows from the data if these exclude a value one interval beyond it while the ranges, of a
-        decade or more, of the other priors are five times as wide.
+        decade or more, of the other priors are five times as wide. If it lies beyond the range, all values
+        from half the way to the end of the range must be excluded.
         """
         priors, reach = list(self.problem.model.priors.values()), self.problem.reach
         wide = np.array([prior.kind == "log_uniform" and prior.second > 10 * prior.first for prior in priors])
@@ -191,18 +192,23 @@ class Posterior:
         tasks = [(place, side) for place, ends in found.items() for side in (-1, 1) if ends[int(side > 0)]]
         if not tasks:
             return found
-        begin, aims = [], []
+        begin, aims, cut = [], [], []
         for place, side in tasks:
             one = self.followed[place]
             low, high = np.clip([one.end(-1, LIMIT), one.end(1, LIMIT)], *reach[place])
             begin.append(one.z[np.argmin(np.abs(one.at - (high if side > 0 else low)))])
-            aims.append(np.clip(2 * high - low if side > 0 else 2 * low - high, *reach[place]))
+            aim = 2 * high - low if side > 0 else 2 * low - high
+            aims.append(np.clip(aim, *reach[place]))
+            cut.append(aims[-1] != aim)
         z, places = np.array(begin), np.array([place for place, _ in tasks])
         rows, first = np.arange(len(tasks)), z[np.arange(len(tasks)), places].copy()
         held = np.arange(z.shape[1]) == places[:, None]
+        squares = np.full(len(tasks), np.inf)
         for share in np.linspace(0, 1, _STEPS)[1:]:  # the others follow in small steps
             z[rows, places] = first + share * (np.array(aims) - first)
-            squares, z = least(self.problem, z, held=held, beyond=wide & ~held)
+            there, z = least(self.problem, z, held=held, beyond=wide & ~held)
+            on_the_way = np.array(cut) & (share >= 0.5)
+            squares = np.where(on_the_way, np.minimum(squares, there), there)
         (lowest,), _ = least(self.problem, self.best[np.newaxis])
         alone = {task for task, far in zip(tasks, squares >= lowest + LIMIT, strict=True) if far}
         return {place: ((place, -1) in alone, (place, 1) in alone) for place in found}
