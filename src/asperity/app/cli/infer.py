@@ -189,7 +189,8 @@ def _data(
     try:
         table = read_measurements(file, wanted, **chosen, **reading)
     except InputError as mistake:
-        if model in ("ball", "relaxation") and _is_record(file):
+        unclear = mistake.cure.keys() & {"columns", "quantity"} or model == "ball"
+        if model in ("ball", "relaxation") and unclear and _is_record(file):
             words, cure = "the radius of the ball, for a record of depth and force", {"radius": "10um"}
             cure = cure if model == "ball" else {"model": "ball"} | cure
             raise InputError("--radius", expected=words, got="none", cure=cure) from None
