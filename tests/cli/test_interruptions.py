@@ -226,7 +226,7 @@ def test_on_a_terminal_there_is_a_bar(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("command", "at"), [("infer", "from the priors"), ("sweep", "runs on 2 workers")])
+@pytest.mark.parametrize(("command", "at"), [("infer", "chains: R-hat"), ("sweep", "runs on 2 workers")])
 def test_the_workers_of_a_killed_command_end(tmp_path, command, at):
     (tmp_path / "infer").write_text("t,A\n" + "".join(f"{2**n},{10 + n}\n" for n in range(12)))
     (tmp_path / "sweep").write_text("surface.shape = [256, 256]\nsweep.seeds = 50\n")

@@ -102,7 +102,7 @@ def test_a_record_gives_its_parameters_whatever_was_measured(protocol, law, meas
     record = noisy(time, friction, **{name: places[name] for name in measured})
     fit = F.rate_and_state(record, law=law)
     assert isinstance(fit, F.MachineFit)
-    for name, value in zip(("a", "b", "D_c", "stiffness"), TRUTH, strict=True):
+    for name, value in zip(("a", "b", "D_c", "stiffness"), TRUTH[:4], strict=True):
         low, high = fit.interval(name)
         middle = (low + high) / 2
         assert abs(value - middle) < 2 * (high - low) / 2, name  # twice 95 %
@@ -197,7 +197,7 @@ def coverage(protocol, law, count, **measured):
     hits = dict.fromkeys(("a", "b", "D_c", "stiffness"), 0)
     for seed in range(count):
         fit = F.rate_and_state(noisy(time, friction, seed, load_point=place), law=law, stiffness="fit")
-        for name, value in zip(hits, TRUTH, strict=True):
+        for name, value in zip(hits, TRUTH[:4], strict=True):
             low, high = fit.interval(name)
             hits[name] += low <= value <= high
     return hits

@@ -81,8 +81,7 @@ def pressed_anew(
     place = control.value - system.datum if system.load is None else None
     u, _, in_contact, _ = contact.relative
     last = np.full_like(u, np.inf) if apart else None
-    gradual = contact.lattice.edges != "free"
-    guess = Guess(np.array(u), in_contact, disposable=True, last=last, gradual=gradual)
+    guess = Guess(np.array(u), in_contact, disposable=True, last=last, gradual=True)
     return _anew(contact, contact, system, guess, place, solver, least_force)
 
 

@@ -159,7 +159,9 @@ def drift_in(first: Rival) -> list[str]:
     """A remark if the curve rises steadily at its end, as by a drift of the instrument."""
     problem, last = first.problem, float(first.problem.time[-1])
     times, values = last * np.arange(4) / 3, problem.values(first.at[np.newaxis])
-    start, begin, middle, end = problem.model.curve(times, values)[0]
+    with np.errstate(all="ignore"):  # within a ramp, a power has no value at time 0
+        start, begin, middle, end = problem.model.curve(times, values)[0]
+    start = start if math.isfinite(start) else begin
     error = float(np.median(problem.error)) / math.sqrt(max(problem.time.size / 3, 1))
     if not (end - begin > _APART * error and end - middle > _STEADY * (middle - begin)):
         return []
