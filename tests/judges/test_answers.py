@@ -31,9 +31,10 @@ With the instructions of x86-64 alone in place of AVX-512 it is at most 2.4e-6, 
 
 
 def machine():
-    """All on which the last bits depend: instructions of the processor, and libraries that are compiled."""
+    """All on which the last bits depend: instructions of the processor, and libraries and their kernels."""
     found = llvmlite.binding.get_host_cpu_features().flatten(), llvmlite.binding.get_host_cpu_name()
     facts = [*found, *map(version, ("numpy", "scipy", "numba", "llvmlite"))]
+    facts += sorted(f"{name}={value}" for name, value in os.environ.items() if name.startswith("OPENBLAS"))
     return hashlib.sha256(" ".join(facts).encode()).hexdigest()[:16]
 
 
