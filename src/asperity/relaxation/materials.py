@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, cast, get_args
 
@@ -266,11 +266,11 @@ def material(
         how = {name: arguments[name] for name in _READING if name in arguments}
         table = read(source, modulus=measured, **how) if isinstance(source, str | Path) else source
         options = {name: arguments[name] for name in _FITTING if name in arguments}
-        table = table.shifted(factor)
-        fitted = fit(table, **options)
-        if not table.absolute:
+        fitted = fit(table.shifted(factor), **options)
+        if not fitted.data.absolute:
             known, measured = _known(arguments)
-            fitted = fit(table.scaled(known / fitted.series.modulus), **options)
+            absolute = fitted.data.scaled(known / fitted.series.modulus)
+            fitted = replace(fitted, series=replace(fitted.series, modulus=known), data=absolute)
         series, measured = fitted.series, measured or fitted.data.measured
     modulus_arguments, of = _instantaneous(series, measured, arguments)
     solid = half_space(**modulus_arguments, branches=series.branches if series else (), hardness=hardness)
