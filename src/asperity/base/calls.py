@@ -144,7 +144,8 @@ def _check(
             hint = get_type_hints(annotated, vars(home))[word]
             if not _fits(given[word], hint):
                 words = [repr(kind) for kind in kinds_of(hint) if isinstance(kind, str)]
-                expected = f"one of {', '.join(words)}" if words else str(annotation)
+                stated = hint if "Annotated[" in str(annotation) else annotation
+                expected = f"one of {', '.join(words)}" if words else str(stated)
                 raise InputError(word, expected=expected, got=checks.shown(given[word])) from met
 
 

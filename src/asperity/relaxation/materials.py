@@ -78,107 +78,6 @@ def relaxing_of(solid: Solid) -> PronySeries:
     return PronySeries(cast(float, solid.modulus), tuple(solid.relaxing))
 
 
-_Kind = Annotated[
-    Kind | None,
-    Quantity(
-        "quantity in the table",
-        key="table_kind",
-        more=", if the names of its columns do not say it.",
-        swept=False,
-    ),
-]
-_Columns = Annotated[
-    Chosen | None,
-    Quantity(
-        "columns by name, or by number from 0: time and modulus, time and compliance, or frequency, storage "
-        "and loss modulus",
-        more=". By default those with such names.",
-        swept=False,
-    ),
-]
-_Units = Annotated[
-    Units | None,
-    Quantity('units in place of those of the table: a column and its unit, such as "E=MPa"', swept=False),
-]
-_Noise = Annotated[
-    float | None,
-    *(Ge(0), Lt(1)),
-    Quantity(
-        "largest relative change in the wrong direction that counts as noise",
-        more=". By default 0.05.",
-        swept=False,
-    ),
-]
-_Stress = Annotated[
-    float | str | None,
-    Gt(0),
-    Quantity("constant stress of a table of strain against time", "Pa", swept=False),
-]
-_Radius = Annotated[
-    float | str | None,
-    Gt(0),
-    Quantity(
-        "radius of the ball whose force at a held depth the table has",
-        "m",
-        more=", such as 10um: with the depth it gives the modulus.",
-        swept=False,
-    ),
-]
-_Depth = Annotated[float | str | None, Gt(0), Quantity("held depth of this ball", "m", swept=False)]
-_Branches = Annotated[
-    int | None,
-    Ge(1),
-    Quantity(
-        "number of free relaxation times in the fit of the table",
-        key="free_branches",
-        more=". By default the fewest whose misfit looks like noise, five at most; else 1 or 2 per decade.",
-    ),
-]
-_PerDecade = Annotated[
-    float | None,
-    *(Ge(0.2), Le(10)),
-    Quantity(
-        "relaxation times per decade of the table",
-        more="; fewer for noisy data. By default as few free times as fit within the noise, five at most, "
-        "else 1 or 2 per decade.",
-        swept=False,
-    ),
-]
-_Extrapolate = Annotated[
-    Extrapolate | Literal["model"] | None,
-    Quantity(
-        "assumption beyond the times of the data",
-        more=". plateau: the modulus keeps the last value of the table. model: the branches continue. By "
-        "default other times are refused.",
-        swept=False,
-    ),
-]
-_Temperature = Annotated[
-    float | str | None,
-    Gt(0),
-    Quantity(
-        "temperature of the contact",
-        "K",
-        more=", such as 40degC: for activated creep, or to shift a relaxation table from its own.",
-    ),
-]
-_Reference = Annotated[
-    float | str | None, Gt(0), Quantity("temperature of the table", "K", more=", such as 20degC.")
-]
-_ActivationEnergy = Annotated[
-    float | str | None,
-    Gt(0),
-    Quantity("activation energy of the relaxation times (Arrhenius)", "J/mol", more=", such as 100kJ/mol."),
-]
-_Wlf = Annotated[
-    Sequence[float] | None,
-    Quantity(
-        "constants C1 and C2 of Williams, Landel and Ferry",
-        more=", in place of that energy, for the decimal logarithm; C2 in K.",
-    ),
-]
-
-
 @views.later
 def material_of_file(path: Path, /, **arguments: Any) -> Material:
     """The half-space of [solid] in a TOML file; arguments of `material` replace its keys."""
@@ -188,23 +87,113 @@ def material_of_file(path: Path, /, **arguments: Any) -> Material:
 def material(
     source: str | Path | Measured | PronySeries | Solid | None = None,
     *,
-    kind: _Kind = None,
-    columns: _Columns = None,
-    units: _Units = None,
-    stress: _Stress = None,
-    ball_radius: _Radius = None,
-    ball_depth: _Depth = None,
-    noise: _Noise = None,
-    branches: _Branches = None,
-    per_decade: _PerDecade = None,
-    extrapolate: _Extrapolate = None,
+    kind: Annotated[
+        Kind | None,
+        Quantity(
+            "quantity in the table",
+            key="table_kind",
+            more=", if the names of its columns do not say it.",
+            swept=False,
+        ),
+    ] = None,
+    columns: Annotated[
+        Chosen | None,
+        Quantity(
+            "columns by name, or by number from 0: time and modulus, time and compliance, or frequency, "
+            "storage and loss modulus",
+            more=". By default those with such names.",
+            swept=False,
+        ),
+    ] = None,
+    units: Annotated[
+        Units | None,
+        Quantity('units in place of those of the table: a column and its unit, such as "E=MPa"', swept=False),
+    ] = None,
+    stress: Annotated[
+        float | str | None,
+        Gt(0),
+        Quantity("constant stress of a table of strain against time", "Pa", swept=False),
+    ] = None,
+    ball_radius: Annotated[
+        float | str | None,
+        Gt(0),
+        Quantity(
+            "radius of the ball whose force at a held depth the table has",
+            "m",
+            more=", such as 10um: with the depth it gives the modulus.",
+            swept=False,
+        ),
+    ] = None,
+    ball_depth: Annotated[
+        float | str | None, Gt(0), Quantity("held depth of this ball", "m", swept=False)
+    ] = None,
+    noise: Annotated[
+        float | None,
+        *(Ge(0), Lt(1)),
+        Quantity(
+            "largest relative change in the wrong direction that counts as noise",
+            more=". By default 0.05.",
+            swept=False,
+        ),
+    ] = None,
+    branches: Annotated[
+        int | None,
+        Ge(1),
+        Quantity(
+            "number of free relaxation times in the fit of the table",
+            key="free_branches",
+            more=". By default the fewest whose misfit looks like noise, five at most; else "
+            "1 or 2 per decade.",
+        ),
+    ] = None,
+    per_decade: Annotated[
+        float | None,
+        *(Ge(0.2), Le(10)),
+        Quantity(
+            "relaxation times per decade of the table",
+            more="; fewer for noisy data. By default as few free times as fit within the noise, five at "
+            "most, else 1 or 2 per decade.",
+            swept=False,
+        ),
+    ] = None,
+    extrapolate: Annotated[
+        Extrapolate | Literal["model"] | None,
+        Quantity(
+            "assumption beyond the times of the data",
+            more=". plateau: the modulus keeps the last value of the table. model: the branches continue. By "
+            "default other times are refused.",
+            swept=False,
+        ),
+    ] = None,
     modulus: Modulus | float | str | None = None,
     young: float | str | None = None,
     poisson: float | None = None,
-    temperature: _Temperature = None,
-    reference: _Reference = None,
-    activation_energy: _ActivationEnergy = None,
-    wlf: _Wlf = None,
+    temperature: Annotated[
+        float | str | None,
+        Gt(0),
+        Quantity(
+            "temperature of the contact",
+            "K",
+            more=", such as 40degC: for activated creep, or to shift a relaxation table from its own.",
+        ),
+    ] = None,
+    reference: Annotated[
+        float | str | None, Gt(0), Quantity("temperature of the table", "K", more=", such as 20degC.")
+    ] = None,
+    activation_energy: Annotated[
+        float | str | None,
+        Gt(0),
+        Quantity(
+            "activation energy of the relaxation times (Arrhenius)", "J/mol", more=", such as 100kJ/mol."
+        ),
+    ] = None,
+    wlf: Annotated[
+        Sequence[float] | None,
+        Quantity(
+            "constants C1 and C2 of Williams, Landel and Ferry",
+            more=", in place of that energy, for the decimal logarithm; C2 in K.",
+        ),
+    ] = None,
     shift: float | None = None,
     hardness: float | str | None = None,
     draws: Sequence[Iterable[Sequence[float | str]]] | None = None,

@@ -18,23 +18,26 @@ non-negative least squares. At once and in the end, K is exact.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from annotated_types import Gt, Le
 
 from asperity.adhesion import Adhesion
 from asperity.base import units
 from asperity.base.checks import Floats
+from asperity.base.parameters import Quantity
 from asperity.base.positive_sums import positive_weights
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
 from asperity.solids.arguments import (
+    AT_MOST_ALL,
+    LARGEST,
     Apparatus,
-    BaseBranches,
-    BaseModulus,
-    BasePoisson,
+    Branch,
     Branches,
     Hardness,
     Modulus,
@@ -138,10 +141,16 @@ def coated_half_space(
     young: Young = None,
     poisson: Poisson,
     thickness: Thickness,
-    base_modulus: BaseModulus,
-    base_poisson: BasePoisson,
+    base_modulus: Annotated[
+        float | str, Gt(0), LARGEST, Quantity("contact modulus of the base", "Pa", more=", unrelaxed.")
+    ],
+    base_poisson: Annotated[float, Gt(-1), Le(0.5), Quantity("Poisson's ratio of the base")],
     branches: Branches = (),
-    base_branches: BaseBranches = (),
+    base_branches: Annotated[
+        Sequence[Branch],
+        AT_MOST_ALL,
+        Quantity("share of the modulus and relaxation time of each branch of the base"),
+    ] = (),
     apparatus: Apparatus = None,
     hardness: Hardness = None,
     adhesion: Adhesion | None = None,

@@ -4,27 +4,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Annotated, Any
+
+from annotated_types import Ge, Gt, Le, Len
 
 from asperity.adhesion import Adhesion
 from asperity.base import checks, units
+from asperity.base.parameters import Quantity
 from asperity.base.words import InUnits, written_with_units
 from asperity.creep import LocalCreep, checked_law
 from asperity.errors import InputError
 from asperity.solids.arguments import (
+    LARGEST,
     POISSON,
+    RATIO,
+    YOUNG,
     Apparatus,
-    Bonded,
     Branches,
-    Flow,
     Hardness,
     Modulus,
-    Permanent,
     Poisson,
-    PoissonOfBodies,
     Thickness,
     Young,
-    YoungOfBodies,
 )
 from asperity.solids.branches import check_branches
 from asperity.solids.laws import LayerSpectrum, PowerMobility, WaveNumberSpectrum
@@ -88,13 +89,30 @@ def checked_modulus(modulus: float | str | None, young: OneOrTwo | None, poisson
 def half_space(
     *,
     modulus: Modulus = None,
-    young: YoungOfBodies = None,
-    poisson: PoissonOfBodies = None,
+    young: Annotated[float | str | Sequence[float | str] | None, Gt(0), LARGEST, Len(1, 2), YOUNG] = None,
+    poisson: Annotated[float | Sequence[float] | None, Gt(-1), Le(0.5), Len(1, 2), RATIO] = None,
     branches: Branches = (),
-    flow: Flow = None,
+    flow: Annotated[
+        tuple[
+            Annotated[float, Gt(0), Quantity("mobility")],
+            Annotated[float, Ge(-2), Le(4), Quantity("power of the wave number")],
+        ]
+        | None,
+        Quantity(
+            "mobility of creep, and its power of the wave number",
+            more=" (-1 bulk flow, 0 dissolution, 1 and 2 diffusion in the volume and along the surface), in "
+            "place of branches.",
+        ),
+    ] = None,
     apparatus: Apparatus = None,
     creep: LocalCreep | None = None,
-    permanent: Permanent = 0.0,
+    permanent: Annotated[
+        float,
+        *(Ge(0), Le(0.99)),
+        Quantity(
+            "share of the modulus that does not creep by the local law", more=". By default 0.", usual=None
+        ),
+    ] = 0.0,
     hardness: Hardness = None,
     adhesion: Adhesion | None = None,
 ) -> Solid:
@@ -193,7 +211,14 @@ def layer(
     poisson: Poisson,
     thickness: Thickness,
     branches: Branches = (),
-    bonded: Bonded = True,
+    bonded: Annotated[
+        bool,
+        Quantity(
+            "whether the layer slides on its base",
+            key="frictionless",
+            more=" without friction; else it is bonded to it.",
+        ),
+    ] = True,
     hardness: Hardness = None,
     adhesion: Adhesion | None = None,
 ) -> Solid:

@@ -2,19 +2,36 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
+from annotated_types import Ge
+
 from asperity.base import checks
+from asperity.base.parameters import Quantity
 from asperity.creep import LocalCreep, checked_law
 from asperity.errors import InputError
-from asperity.solids.arguments import K0, K1, Hardness, Mobility, ViscousMobility
+from asperity.solids.arguments import LARGEST, Hardness
 from asperity.solids.solid import Solid, Springs
 
 
 def spring_lattice(
     *,
-    k0: K0,
-    k1: K1,
-    R: Mobility = 1.0,
-    R_viscous: ViscousMobility = 0.0,
+    k0: Annotated[
+        float,
+        *(Ge(0), LARGEST),
+        Quantity("stiffness of the springs between neighbors", dimension="stiffness unit", usual=1.0),
+    ],
+    k1: Annotated[
+        float,
+        *(Ge(0), LARGEST),
+        Quantity("stiffness of the springs to the bulk", dimension="stiffness unit", usual=3.0),
+    ],
+    R: Annotated[
+        float, *(Ge(0), LARGEST), Quantity("mobility of creep that conserves the mean", dimension="R unit")
+    ] = 1.0,
+    R_viscous: Annotated[
+        float, *(Ge(0), LARGEST), Quantity("mobility of viscous creep", dimension="R unit")
+    ] = 0.0,
     creep: LocalCreep | None = None,
     hardness: Hardness = None,
 ) -> Solid:

@@ -31,7 +31,6 @@ _RADIUS = Quantity(
     more=", radius of curvature of the paraboloid (one, or one an axis), or radius of the punch's face.",
 )
 _Radius = Annotated[Length, Gt(0), _RADIUS]
-_Radii = Annotated[Lengths, Gt(0), Len(1, 2), _RADIUS]
 _PixelSize = Annotated[
     Lengths,
     *(Gt(0), Len(1, 2)),
@@ -40,17 +39,6 @@ _PixelSize = Annotated[
     ),
 ]
 _Position = Annotated[Length, Quantity("position", "m")]
-_Places = Annotated[
-    Sequence[tuple[_Position, _Position]] | Sequence[Sequence[Length]] | NDArray[np.float64],
-    Len(1),
-    Quantity("places of the balls", "m", more=": pairs y x, counted from the first site, in m."),
-]
-_RadiiOfBalls = Annotated[
-    Lengths, Gt(0), Len(1), Quantity("radii of the balls", "m", more=": one, or one a ball.")
-]
-_Heights = Annotated[
-    Lengths, Len(1), Quantity("heights of the summits of the balls", "m", more=": one, or one a ball.")
-]
 
 _ROUNDING = 1e-12  # relative distance beyond an edge at which a site still is on it
 
@@ -87,7 +75,13 @@ def sphere(shape: Shape, *, radius: _Radius, pixel_size: _PixelSize, edges: Edge
     return _made("sphere", lattice, heights, edges, radius=float(size[0]))
 
 
-def paraboloid(shape: Shape, *, radius: _Radii, pixel_size: _PixelSize, edges: Edges = "free") -> Surface:
+def paraboloid(
+    shape: Shape,
+    *,
+    radius: Annotated[Lengths, Gt(0), Len(1, 2), _RADIUS],
+    pixel_size: _PixelSize,
+    edges: Edges = "free",
+) -> Surface:
     r"""Make a paraboloid: :math:`h = -y^2/(2 R_y) - x^2/(2 R_x)`, for which Hertz's theory is exact.
 
     Parameters
@@ -127,10 +121,18 @@ def punch(shape: Shape, *, radius: _Radius, pixel_size: _PixelSize, edges: Edges
 def array(
     shape: Shape,
     *,
-    places: _Places,
-    radii: _RadiiOfBalls,
+    places: Annotated[
+        Sequence[tuple[_Position, _Position]] | Sequence[Sequence[Length]] | NDArray[np.float64],
+        Len(1),
+        Quantity("places of the balls", "m", more=": pairs y x, counted from the first site, in m."),
+    ],
+    radii: Annotated[
+        Lengths, Gt(0), Len(1), Quantity("radii of the balls", "m", more=": one, or one a ball.")
+    ],
     pixel_size: _PixelSize,
-    heights: _Heights = 0.0,
+    heights: Annotated[
+        Lengths, Len(1), Quantity("heights of the summits of the balls", "m", more=": one, or one a ball.")
+    ] = 0.0,
     edges: Edges = "free",
 ) -> Surface:
     """Put balls at given places; where two overlap, the higher one counts.

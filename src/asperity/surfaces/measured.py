@@ -25,126 +25,117 @@ from asperity.surfaces.surface import Provenance, Surface
 
 Periodic = Literal["mirror", "reflect", "taper", "wrap", "free"]
 
-_Path = Annotated[
-    str | Path,
-    Quantity("surface file", more="; the other settings of this group prepare it. For spectrum its table."),
-]
-_Undefined = Annotated[
-    Literal["fill", "no-body", "refuse"],
-    Quantity(
-        "treatment of undefined pixels",
-        more=": fill (from their neighbors), no-body (nothing touches there) or refuse.",
-    ),
-]
-_MaxUndefined = Annotated[float, Ge(0), Lt(1), Quantity("largest fraction of undefined pixels to fill")]
-_UndefinedValue = Annotated[
-    float | None,
-    Quantity(
-        "height that marks an undefined pixel",
-        dimension="height unit",
-        more=" in the file, such as -9999.",
-    ),
-]
-_Tilt = Annotated[Tilt, Quantity("tilt to remove from the heights", more="; quadratic removes a bow, too.")]
-_Despike = Annotated[
-    bool,
-    Quantity("replace spikes: pixels more than 6 robust standard deviations above the median", swept=False),
-]
-_Lines = Annotated[
-    Lines,
-    Quantity("offsets of scan lines", more=". median: subtract its median from each row."),
-]
-_Periodic = Annotated[
-    Periodic,
-    Quantity(
-        "edges of the scan",
-        more=". reflect: reflecting edges. wrap: the scan is periodic. taper: its border is brought to the "
-        "mean. mirror: four mirrored copies, for a periodic solid. free: the body ends.",
-    ),
-]
-_Unit = Annotated[
-    Literal[Length, "rms"] | None,
-    Spelled(prepare.spelled),
-    Quantity(
-        "unit of the heights",
-        more="; rms divides by the rms height. By default the file's. For spectral and spectrum the unit of "
-        "all lengths; by default none.",
-    ),
-]
-_Channel = Annotated[
-    str | int | None,
-    Quantity("channel of the surface file", more=", by name or number. By default the file's."),
-]
-_Resample = Annotated[bool, Quantity("average oblong pixels to squares of the larger spacing", swept=False)]
-_Crop = Annotated[
-    Sequence[float] | None,
-    Len(2, 4),
-    Quantity(
-        "part of the surface file",
-        dimension="pixels, or the unit of the part",
-        more=": top bottom left right, or left right of a profile, in pixels.",
-    ),
-]
-_CropUnit = Annotated[
-    Literal["pixel", Length] | None,
-    Spelled(prepare.spelled),
-    Quantity("unit of that part", more=", in place of pixels.", swept=False),
-]
-_Longest = Annotated[
-    float | None,
-    Gt(0),
-    Quantity(
-        "longest wavelength kept",
-        dimension="length unit",
-        more=", in the file's unit of length, or in pixels without one.",
-    ),
-]
-_Shortest = Annotated[
-    float | None, Gt(0), Quantity("shortest wavelength kept", dimension="length unit", more=", likewise.")
-]
-_FileUnit = Annotated[
-    Length | None,
-    Spelled(prepare.spelled),
-    Quantity("unit of the heights, for a file that does not state it", swept=False),
-]
-_PixelSize = Annotated[
-    float | str | Sequence[float | str] | None,
-    *(Gt(0), Len(1, 2)),
-    Quantity(
-        "distance between pixels",
-        dimension="length unit",
-        more=", for a file that does not state it, such as 0.5um: one, or between rows and between columns. "
-        "For a ball, a paraboloid, a punch or an array: between sites, in m.",
-        swept=False,
-    ),
-]
-_LengthUnit = Annotated[
-    Length | None,
-    Spelled(prepare.spelled),
-    Quantity("unit of that distance, if it is a plain number", swept=False),
-]
-
 
 def read(
-    path: _Path,
+    path: Annotated[
+        str | Path,
+        Quantity(
+            "surface file", more="; the other settings of this group prepare it. For spectrum its table."
+        ),
+    ],
     *,
-    undefined: _Undefined = "fill",
-    max_undefined: _MaxUndefined = 0.1,
-    undefined_value: _UndefinedValue = None,
-    tilt: _Tilt = "plane",
-    despike: _Despike = False,
-    lines: _Lines = "none",
-    periodic: _Periodic = "reflect",
-    unit: _Unit = None,
-    channel: _Channel = None,
-    resample: _Resample = False,
-    crop: _Crop = None,
-    crop_unit: _CropUnit = None,
-    longest: _Longest = None,
-    shortest: _Shortest = None,
-    file_unit: _FileUnit = None,
-    pixel_size: _PixelSize = None,
-    length_unit: _LengthUnit = None,
+    undefined: Annotated[
+        Literal["fill", "no-body", "refuse"],
+        Quantity(
+            "treatment of undefined pixels",
+            more=": fill (from their neighbors), no-body (nothing touches there) or refuse.",
+        ),
+    ] = "fill",
+    max_undefined: Annotated[
+        float, Ge(0), Lt(1), Quantity("largest fraction of undefined pixels to fill")
+    ] = 0.1,
+    undefined_value: Annotated[
+        float | None,
+        Quantity(
+            "height that marks an undefined pixel",
+            dimension="height unit",
+            more=" in the file, such as -9999.",
+        ),
+    ] = None,
+    tilt: Annotated[
+        Tilt, Quantity("tilt to remove from the heights", more="; quadratic removes a bow, too.")
+    ] = "plane",
+    despike: Annotated[
+        bool,
+        Quantity(
+            "replace spikes: pixels more than 6 robust standard deviations above the median", swept=False
+        ),
+    ] = False,
+    lines: Annotated[
+        Lines,
+        Quantity("offsets of scan lines", more=". median: subtract its median from each row."),
+    ] = "none",
+    periodic: Annotated[
+        Periodic,
+        Quantity(
+            "edges of the scan",
+            more=". reflect: reflecting edges. wrap: the scan is periodic. taper: its border is brought to "
+            "the mean. mirror: four mirrored copies, for a periodic solid. free: the body ends.",
+        ),
+    ] = "reflect",
+    unit: Annotated[
+        Literal[Length, "rms"] | None,
+        Spelled(prepare.spelled),
+        Quantity(
+            "unit of the heights",
+            more="; rms divides by the rms height. By default the file's. For spectral and spectrum the unit "
+            "of all lengths; by default none.",
+        ),
+    ] = None,
+    channel: Annotated[
+        str | int | None,
+        Quantity("channel of the surface file", more=", by name or number. By default the file's."),
+    ] = None,
+    resample: Annotated[
+        bool, Quantity("average oblong pixels to squares of the larger spacing", swept=False)
+    ] = False,
+    crop: Annotated[
+        Sequence[float] | None,
+        Len(2, 4),
+        Quantity(
+            "part of the surface file",
+            dimension="pixels, or the unit of the part",
+            more=": top bottom left right, or left right of a profile, in pixels.",
+        ),
+    ] = None,
+    crop_unit: Annotated[
+        Literal["pixel", Length] | None,
+        Spelled(prepare.spelled),
+        Quantity("unit of that part", more=", in place of pixels.", swept=False),
+    ] = None,
+    longest: Annotated[
+        float | None,
+        Gt(0),
+        Quantity(
+            "longest wavelength kept",
+            dimension="length unit",
+            more=", in the file's unit of length, or in pixels without one.",
+        ),
+    ] = None,
+    shortest: Annotated[
+        float | None, Gt(0), Quantity("shortest wavelength kept", dimension="length unit", more=", likewise.")
+    ] = None,
+    file_unit: Annotated[
+        Length | None,
+        Spelled(prepare.spelled),
+        Quantity("unit of the heights, for a file that does not state it", swept=False),
+    ] = None,
+    pixel_size: Annotated[
+        float | str | Sequence[float | str] | None,
+        *(Gt(0), Len(1, 2)),
+        Quantity(
+            "distance between pixels",
+            dimension="length unit",
+            more=", for a file that does not state it, such as 0.5um: one, or between rows and between "
+            "columns. For a ball, a paraboloid, a punch or an array: between sites, in m.",
+            swept=False,
+        ),
+    ] = None,
+    length_unit: Annotated[
+        Length | None,
+        Spelled(prepare.spelled),
+        Quantity("unit of that distance, if it is a plain number", swept=False),
+    ] = None,
 ) -> Surface:
     """Read a measured surface and make it ready for the solver.
 

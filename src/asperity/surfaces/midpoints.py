@@ -41,18 +41,20 @@ def power_of_two(name: str, value: int) -> int:
     return length
 
 
-Size = Annotated[
-    int,
-    *(Le(MOST_SITES), Also(power_of_two)),
-    Quantity("sites along each axis", dimension="sites", more=", a power of two.", usual=256),
-]
-Hurst = Annotated[float, Gt(0), Le(1), Quantity("Hurst exponent")]
-Delta = Annotated[float, Gt(0), Quantity("roughness at the scale of the lattice", dimension="height unit")]
-
-
 @in_unit
 def self_affine(
-    size: Size, *, hurst: Hurst = 0.5, delta: Delta = 0.01, seed: Seed = 0, rng: Rng = None
+    size: Annotated[
+        int,
+        *(Le(MOST_SITES), Also(power_of_two)),
+        Quantity("sites along each axis", dimension="sites", more=", a power of two.", usual=256),
+    ],
+    *,
+    hurst: Annotated[float, Gt(0), Le(1), Quantity("Hurst exponent")] = 0.5,
+    delta: Annotated[
+        float, Gt(0), Quantity("roughness at the scale of the lattice", dimension="height unit")
+    ] = 0.01,
+    seed: Seed = 0,
+    rng: Rng = None,
 ) -> Field:
     """Make a periodic self-affine surface by successive random midpoints.
 

@@ -44,47 +44,6 @@ _USUAL_CUTOFF = 8
 _ROUNDING = 1e-9
 
 Hurst = Annotated[float, Ge(0), Le(1), Quantity("Hurst exponent")]
-RollOff = Annotated[
-    float | None,
-    Gt(0),
-    Quantity(
-        "wavelength above which the spectrum is flat",
-        dimension="length unit",
-        more=". By default the longest side.",
-    ),
-]
-Cutoff = Annotated[
-    float | None,
-    Gt(0),
-    Quantity(
-        "shortest wavelength", dimension="length unit", more=". By default eight times the larger spacing."
-    ),
-]
-RmsHeight = Annotated[
-    float | None,
-    Gt(0),
-    Quantity(
-        "rms height", dimension="height unit", more=". By default 1, unless slope or curvature is given."
-    ),
-]
-RmsSlope = Annotated[
-    float | None,
-    Gt(0),
-    Quantity("rms slope", dimension="height unit / length unit", more=", in place of the height."),
-]
-RmsCurvature = Annotated[
-    float | None,
-    Gt(0),
-    Quantity("rms mean curvature", dimension="height unit / length unit^2", more=", in place of the height."),
-]
-Table = Annotated[
-    Callable[[Field], ArrayLike] | tuple[ArrayLike, ArrayLike] | str | Path,
-    Quantity(
-        "table of the wave number q and the power spectrum C",
-        key="path",
-        more="; columns with units need `unit`.",
-    ),
-]
 
 
 @in_unit
@@ -92,11 +51,43 @@ def spectral(
     shape: Shape,
     *,
     hurst: Hurst = 0.8,
-    roll_off: RollOff = None,
-    cutoff: Cutoff = None,
-    rms_height: RmsHeight = None,
-    rms_slope: RmsSlope = None,
-    rms_curvature: RmsCurvature = None,
+    roll_off: Annotated[
+        float | None,
+        Gt(0),
+        Quantity(
+            "wavelength above which the spectrum is flat",
+            dimension="length unit",
+            more=". By default the longest side.",
+        ),
+    ] = None,
+    cutoff: Annotated[
+        float | None,
+        Gt(0),
+        Quantity(
+            "shortest wavelength",
+            dimension="length unit",
+            more=". By default eight times the larger spacing.",
+        ),
+    ] = None,
+    rms_height: Annotated[
+        float | None,
+        Gt(0),
+        Quantity(
+            "rms height", dimension="height unit", more=". By default 1, unless slope or curvature is given."
+        ),
+    ] = None,
+    rms_slope: Annotated[
+        float | None,
+        Gt(0),
+        Quantity("rms slope", dimension="height unit / length unit", more=", in place of the height."),
+    ] = None,
+    rms_curvature: Annotated[
+        float | None,
+        Gt(0),
+        Quantity(
+            "rms mean curvature", dimension="height unit / length unit^2", more=", in place of the height."
+        ),
+    ] = None,
     pixel_size: PixelSize = None,
     unit: Unit = None,
     spacing: ArrayLike | None = None,
@@ -173,7 +164,14 @@ def spectral(
 @in_unit
 def from_spectrum(
     shape: Shape,
-    spectrum: Table,
+    spectrum: Annotated[
+        Callable[[Field], ArrayLike] | tuple[ArrayLike, ArrayLike] | str | Path,
+        Quantity(
+            "table of the wave number q and the power spectrum C",
+            key="path",
+            more="; columns with units need `unit`.",
+        ),
+    ],
     *,
     pixel_size: PixelSize = 1.0,
     unit: Unit = None,
