@@ -341,14 +341,7 @@ def _known(arguments: dict[str, Any]) -> tuple[float, Modulus]:
         if name in arguments and arguments[name] not in _WORDS:
             return checks.number(name, si.quantity(arguments.pop(name), "Pa", name), above=0), which[name]
     expected = "the instantaneous modulus beside a table that gives it up to a factor"
-    advice = (
-        Name("young"),
-        ", ",
-        Name("stress"),
-        " of a table of strain, or ",
-        Name("ball_radius"),
-        " of a force",
-    )
+    advice = (Name("young"), ", ", Name("stress"), " of a strain, or ", Name("ball_radius"), " of a force")
     raise InputError("young", expected=expected, got="none", advice=advice)
 
 

@@ -279,11 +279,11 @@ def checked_apparatus(stiffness: float | str | None) -> float | None:
 
 def checked_permanent(share: float) -> float:
     """Check the share of the modulus beside a local law."""
-    expected = f"0, or a share from {_LEAST_PERMANENT:g} to 0.99"
-    share = checks.number("permanent", share, least=0, most=0.99, expected=expected)
-    if 0 < share < _LEAST_PERMANENT:
-        raise InputError("permanent", expected=expected, got=f"{share:g}")
-    return share
+    least, expected = (
+        0.0 if share == 0 else _LEAST_PERMANENT,
+        f"0, or a share from {_LEAST_PERMANENT:g} to 0.99",
+    )
+    return checks.number("permanent", share, least=least, most=0.99, expected=expected)
 
 
 def checked_poisson(name: str, ratio: float) -> float:

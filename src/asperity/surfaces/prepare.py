@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from asperity.base import checks, units
 from asperity.base.readable import LENGTHS, conversion, is_length
 from asperity.errors import InputError
-from asperity.lattice import Field, Lattice, Mask
+from asperity.lattice import Field, Lattice
 
 # Other spellings of units; the third of um is UTF-8 read as Latin-1.
 _SPELLINGS = {
@@ -112,45 +111,22 @@ def fill(heights: Field) -> Field:
 
     By its maximum principle filling creates no summit.
     """
-    flat = heights.ravel()
-    missing = np.isnan(flat)
-    unknowns = int(missing.sum())
-    filled = flat.copy()
-    if unknowns:
-        number = np.cumsum(missing) - 1  # of the unknown that belongs to a missing pixel
-        site, neighbor = _neighbors_of_missing(heights.shape, missing)
-        inner = missing[neighbor]
-        edges = number[site[inner]], number[neighbor[inner]]
-        links = scipy.sparse.csr_array((np.ones(len(edges[0])), edges), shape=(unknowns, unknowns))
-        degree = np.bincount(number[site], minlength=unknowns).astype(np.float64)
-        rim, rim_height = number[site[~inner]], flat[neighbor[~inner]]
-        right = np.bincount(rim, weights=rim_height, minlength=unknowns)
-        laplacian = scipy.sparse.diags_array(degree, format="csc") - links.tocsc()
-        solution = np.atleast_1d(scipy.sparse.linalg.spsolve(laplacian, right, permc_spec="MMD_AT_PLUS_A"))
-        filled[missing] = _clipped(solution, links, rim, rim_height)
+    filled, missing = heights.flatten(), np.isnan(heights).ravel()
+    if missing.any():
+        known = filled[~missing]
+        grid = tuple(n for n in heights.shape if n > 1)  # an axis of one pixel has no neighbors
+        laplacian = scipy.sparse.linalg.LaplacianNd(grid, boundary_conditions="neumann", dtype=np.float64)
+        rows = laplacian.tosparse().tocsr()[missing]
+        links, rim = rows[:, missing], rows[:, ~missing]
+        solution = scipy.sparse.linalg.spsolve(-links.tocsc(), rim @ known, permc_spec="MMD_AT_PLUS_A")
+        # Rounding leaves no pixel below the lowest or above the highest one at the border of its hole.
+        holes, hole = scipy.sparse.csgraph.connected_components(links, directed=False)
+        lowest, highest = np.full(holes, np.inf), np.full(holes, -np.inf)
+        at, beside = rim.nonzero()
+        np.minimum.at(lowest, hole[at], known[beside])
+        np.maximum.at(highest, hole[at], known[beside])
+        filled[missing] = np.clip(solution, lowest[hole], highest[hole])
     return filled.reshape(heights.shape)
-
-
-def _neighbors_of_missing(shape: tuple[int, ...], missing: Mask) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Flat indices of all pairs of a missing pixel and its neighbor; the grid is not periodic."""
-    grid = np.arange(missing.size).reshape(shape)
-    pairs = []
-    for axis, n in enumerate(shape):
-        lower, upper = (np.take(grid, range(i, n - 1 + i), axis=axis).ravel() for i in (0, 1))
-        pairs += [np.stack(pair)[:, missing[pair[0]]] for pair in ((lower, upper), (upper, lower))]
-    site, neighbor = np.concatenate(pairs, axis=1)
-    return site, neighbor
-
-
-def _clipped(
-    solution: Field, links: scipy.sparse.csr_array, rim: NDArray[np.intp], rim_height: Field
-) -> Field:
-    """Clip the solution to the lowest and the highest pixel at the border of its hole, against rounding."""
-    holes, hole = scipy.sparse.csgraph.connected_components(links, directed=False)
-    lowest, highest = np.full(holes, np.inf), np.full(holes, -np.inf)
-    np.minimum.at(lowest, hole[rim], rim_height)
-    np.maximum.at(highest, hole[rim], rim_height)
-    return np.clip(solution, lowest[hole], highest[hole])
 
 
 def is_square(pixel_size: tuple[float, ...]) -> bool:

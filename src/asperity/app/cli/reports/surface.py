@@ -20,28 +20,26 @@ from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum
 from asperity.surfaces.prepare import is_square
 from asperity.surfaces.provenance import understood
 
+# The data of the instrument, neither levelled nor mirrored, with undefined pixels filled.
+_AS_FOUND: dict[str, Any] = {
+    **{"tilt": "none", "lines": "none", "periodic": "wrap", "resample": False, "despike": False},
+    **dict.fromkeys(("unit", "crop", "longest", "shortest")),
+}
+
 
 def drawn_and_described(settings: SurfaceSection) -> tuple[Callable[[], Drawing], str]:
     """Make or read a surface: what draws it, and its description; `AsperityError` if it cannot be used."""
     if not isinstance(settings, MeasuredSurface):
         surface = settings.build()
         facts = words_of([Row("surface", described(settings)), Row("edges", surface.edges)])
-        title = settings.kind.replace("_", " ")
-        draw = partial(surface_figure, surface, title=title)
+        draw = partial(surface_figure, surface, title=settings.kind.replace("_", " "))
         return draw, f"{aligned(facts)}\n\n{aligned(_comparison(made=surface.describe()))}"
-    # The data of the instrument, neither levelled nor mirrored, with undefined pixels filled.
-    as_found = {"tilt": "none", "periodic": "wrap", "unit": None, "resample": False, "despike": False}
-    as_found["lines"] = "none"
-    as_found |= dict.fromkeys(("crop", "longest", "shortest"))
-    unprepared = settings.but(**as_found).build()
-    prepared = settings.build()
+    unprepared, prepared = settings.but(**_AS_FOUND).build(), settings.build()
     # The border of a tapered scan was not measured.
-    tapered = settings.rule == "taper"
-    scan = settings.but(periodic="wrap").build() if tapered else prepared
-    whole, done = np.isfinite(scan.heights).all(), _preparation(prepared)
-    spectrum = power_spectrum(scan) if whole else None
-    shape = " × ".join(map(str, _listed(prepared.provenance["original_shape"])))
-    note = ", ".join([f"{shape} pixels", *(short for *_, short in done if short)])
+    scan = settings.but(periodic="wrap").build() if settings.rule == "taper" else prepared
+    spectrum = power_spectrum(scan) if np.isfinite(scan.heights).all() else None
+    done, shape = _preparation(prepared), prepared.provenance["original_shape"]
+    note = ", ".join([f"{' × '.join(map(str, shape))} pixels", *(short for *_, short in done if short)])
     title = Path(settings.path).name
     draw = partial(surface_figure, prepared, title=title, note=note, spectrum=spectrum)
     blocks: tuple[list[Any], ...] = (
@@ -55,22 +53,19 @@ def drawn_and_described(settings: SurfaceSection) -> tuple[Callable[[], Drawing]
 
 def _origin(raw: Surface, prepared: Surface) -> list[Row]:
     facts = raw.provenance
-    shape, size = _listed(facts["original_shape"]), _listed(facts["physical_size"])
-    undefined = int(str(facts["undefined_pixels"]))
-    pixels = " x ".join(map(str, shape))
-    length_unit = str(facts["length_unit"] or "(no unit)")
+    shape, size, undefined = facts["original_shape"], facts["physical_size"], facts["undefined_pixels"]
+    pixels = f"{' x '.join(map(str, shape))}{' (rows x columns)' * (len(shape) == 2)}"
     rows = [
-        Row("file", str(facts["file"])),
+        Row("file", facts["file"]),
         Row("format", f"{facts['format']}, read by {facts['reader']}"),
-        Row("pixels", f"{pixels}{' (rows x columns)' * (len(shape) == 2)}, undefined: {undefined or 'none'}"),
-        Row("size", _lengths(length_unit, *size, digits=6) if size else "not in the file"),
+        Row("pixels", f"{pixels}, undefined: {undefined or 'none'}"),
+        Row("size", _lengths(facts["length_unit"], *size, digits=6) if size else "not in the file"),
         Row("unit of heights", "not in the file" if raw.unit == "1" else raw.unit),
     ]
-    rows += understood(facts)
     remarks = list(prepared.remarks)
     if prepared.pixel_size and not is_square(prepared.pixel_size):
         remarks.append(f"pixels of {_sides(prepared)} are not square: springs refuse them; try --resample")
-    return rows + rows_of_remarks(*remarks)
+    return rows + understood(facts) + rows_of_remarks(*remarks)
 
 
 def _comparison(**columns: Statistics) -> list[tuple[str, ...]]:
@@ -92,13 +87,12 @@ def _comparison(**columns: Statistics) -> list[tuple[str, ...]]:
 def _spectrum(spectrum: PowerSpectrum | None) -> list[Row]:
     if spectrum is None:
         return [Row("power spectrum", "none: the body does not cover its lattice; try --crop")]
-    window, fit = spectrum.window, spectrum.fit
-    how = "of the scan itself" + ("" if window == "none" else f", with a {window} window")
+    how = "of the scan itself" + f", with a {spectrum.window} window" * (spectrum.window != "none")
     hurst = (
         "none: no half decade of wavelengths in which the spectrum is a power law with H from 0 to 1; "
         "use the rms slope, which sets the contact area at light loads, or the spectrum itself"
     )
-    if fit is not None:
+    if (fit := spectrum.fit) is not None:
         low, high = fit.interval
         first, last = (_lengths(spectrum.length_unit, one) for one in (fit.shortest, fit.longest))
         hurst = f"{fit.hurst:.3f} (95 %: {low:.3f} to {high:.3f}), wavelengths from {first} to {last}"
@@ -108,25 +102,21 @@ def _spectrum(spectrum: PowerSpectrum | None) -> list[Row]:
 
 def _preparation(prepared: Surface) -> list[tuple[str, str, str]]:
     """Preparation by a run: a name, a text, and a short text for a figure, which may be empty."""
-    facts = prepared.provenance
-    flat = len(_listed(facts["original_shape"])) == 2
-    rows = []
-    if cut := " ".join(map(str, _listed(facts.get("crop")))):
-        sides = "top bottom left right" if flat else "left right"
-        rows.append(("part", f"pixels {cut} ({sides})", "part of them"))
-    short = {"none": "tilt kept", "quadratic": "polynomial of second order removed"}.get(
-        str(facts["tilt_rule"]), f"{facts['tilt_rule']} removed"
-    )
-    rows.append(("tilt", f"{facts['tilt_rule']}{_removed(prepared, flat=flat)}", short))
-    if (spikes := facts.get("despiked_pixels")) is not None:
-        short = f"{spikes} pixels of spikes filled" if spikes else ""
-        rows.append(("spikes filled", f"{spikes} pixels", short))
+    facts, rows = prepared.provenance, []
+    if cut := facts.get("crop"):
+        sides = "top bottom left right" if len(cut) == 4 else "left right"
+        rows.append(("part", f"pixels {' '.join(map(str, cut))} ({sides})", "part of them"))
+    tilt, undefined, spikes = facts["tilt_rule"], facts["undefined_pixels"], facts.get("despiked_pixels")
+    short = {"none": "tilt kept", "quadratic": "polynomial of second order removed"}
+    rows.append(("tilt", f"{tilt}{_removed(prepared)}", short.get(tilt, f"{tilt} removed")))
+    if spikes is not None:
+        filled = f"{spikes} pixels of spikes filled" * bool(spikes)
+        rows.append(("spikes filled", f"{spikes} pixels", filled))
     if facts["lines_rule"] != "none":
         rows.append(("lines", f"{facts['lines_rule']} of each row removed", "lines levelled"))
-    undefined = facts["undefined_pixels"]
     treated = "without body" if facts["undefined_rule"] == "no-body" else "filled"
-    short = f"{undefined} undefined pixels {treated}" if undefined else ""
-    rows.append(("undefined pixels", f"{facts['undefined_rule']} ({undefined})", short))
+    treated = f"{undefined} undefined pixels {treated}" * bool(undefined)
+    rows.append(("undefined pixels", f"{facts['undefined_rule']} ({undefined})", treated))
     if facts["resampled"]:
         averaged = f"averaged to {_sides(prepared)}"
         rows.append(("pixels", averaged, averaged.replace(" x ", " × ")))
@@ -135,40 +125,35 @@ def _preparation(prepared: Surface) -> list[tuple[str, str, str]]:
         rows.append(("wavelengths kept", band, "waves left out"))
     scaled = f"{prepared.unit}: heights x {facts['scale_factor']:g}"
     rows.append(("unit", "as in the file" if facts["scale_factor"] == 1 else scaled, ""))
-    final = " × ".join(map(str, prepared.shape))
-    shorts = {"mirror": f"mirrored to {final} in a run", "taper": "border tapered"}
-    short = shorts.get(str(facts["periodic_rule"]), "")
-    return [*rows, ("edges", ", ".join(filter(None, (prepared.edges, short))), short)]
+    shorts = {"mirror": f"mirrored to {' × '.join(map(str, prepared.shape))} in a run"}
+    around = (shorts | {"taper": "border tapered"}).get(facts["periodic_rule"], "")
+    return [*rows, ("edges", ", ".join(filter(None, (prepared.edges, around))), around)]
 
 
-def _removed(prepared: Surface, *, flat: bool) -> str:
+def _removed(prepared: Surface) -> str:
     facts = prepared.provenance
-    rule, unit = facts["tilt_rule"], str(facts["original_unit"])
-    if rule == "none":
+    if (rule := facts["tilt_rule"]) == "none":
         return ""
-    height, *terms = (_lengths(unit, value) for value in _listed(facts["tilt_coefficients"]))
+    height, *terms = (_lengths(facts["original_unit"], value) for value in facts["tilt_coefficients"])
     if rule == "mean":
         return f": removed {height}"
-    slopes = f"{terms[0]} per pixel" + (f" downward and {terms[1]} per pixel to the right" if flat else "")
-    removed = f": removed {height} at the first pixel, {slopes}"
+    flat = len(facts["original_shape"]) == 2
+    removed = f": removed {height} at the first pixel, {terms[0]} per pixel"
+    removed += f" downward and {terms[1]} per pixel to the right" * flat
     if rule == "quadratic":
-        removed += f", and {', '.join(terms[2 if flat else 1 :])} per pixel^2"
-        removed += " (downward, mixed, to the right)" if flat else ""
+        removed += f", and {', '.join(terms[1 + flat :])} per pixel^2"
+        removed += " (downward, mixed, to the right)" * flat
     return removed
 
 
 def _sides(surface: Surface) -> str:
-    return _lengths(surface.length_unit or "(no unit)", *surface.pixel_size or ())
+    return _lengths(surface.length_unit, *surface.pixel_size or ())
 
 
-def _lengths(unit: str, *values: float, digits: int = 4) -> str:
+def _lengths(unit: str | None, *values: float, digits: int = 4) -> str:
     """Lengths in the unit that makes the largest readable; of another unit as they are."""
-    name, factor = readable(unit, max(map(abs, values))) if is_length(unit) else (unit, 1.0)
+    name, factor = readable(unit, max(map(abs, values))) if is_length(unit) else (unit or "(no unit)", 1.0)
     return f"{' x '.join(f'{value * factor:.{digits}g}' for value in values)}{_of(name)}"
-
-
-def _listed(value: object) -> list[Any]:
-    return list(value) if isinstance(value, list) else []
 
 
 def _of(unit: str) -> str:
