@@ -1,12 +1,22 @@
-"""Small files as instruments and their programs write them, made of bytes, without any reading library."""
+"""Small files as instruments and their programs write them, made of bytes, without any reading library.
 
+And where measured ones are, which are no part of the repository.
+"""
+
+import importlib.util
 import io
+import os
 import struct
 import zipfile
 from pathlib import Path
 
 import numpy as np
+import pytest
 
+DATA = Path(os.environ.get("ASPERITY_DATA", Path(__file__).parents[1].parent / "shared" / "data"))
+needs_library = pytest.mark.skipif(
+    importlib.util.find_spec("SurfaceTopography") is None, reason="SurfaceTopography is not installed"
+)
 X3P = """<?xml version="1.0" encoding="UTF-8"?>
 <p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2"><Record1><Revision>{revision}</Revision>
 <FeatureType>SUR</FeatureType><Axes><CX><AxisType>I</AxisType><DataType>D</DataType><Increment>{dx}</Increment>
@@ -92,6 +102,13 @@ def nms(raw: np.ndarray, pixel: float, lowest: bytes = struct.pack("<d", 2.0)) -
     head[16:32] = lowest + struct.pack("<d", 5.0)
     head[1368:1392] = struct.pack("<IIdd", nx, ny, pixel, pixel)
     return bytes(head) + raw.astype("<u2").tobytes()
+
+
+def stored(name: str) -> Path:
+    """A measured file; the test is skipped without it."""
+    if not (DATA / name).is_file():
+        pytest.skip(f"{name} is not in {DATA}; set ASPERITY_DATA")
+    return DATA / name
 
 
 def write(name: str, content: bytes) -> str:

@@ -1,6 +1,5 @@
 """``asperity surface``: what it says about a file, and what it draws."""
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +8,7 @@ import pytest
 from asperity import results
 from asperity.surfaces import gaussian, spectral, sphere, statistics
 from tests.cli.conftest import remarks, told
-
-DATA = Path(os.environ.get("ASPERITY_DATA", Path(__file__).resolve().parents[2].parent / "shared" / "data"))
+from tests.instrument_files import needs_library, stored
 
 
 def row(text, name):
@@ -110,7 +108,6 @@ def test_reflecting_edges_are_the_mirror_images_without_them(asperity):
 
 
 def test_oblong_pixels_are_refused_or_averaged(says, refused):
-    pytest.importorskip("SurfaceTopography", reason="needs asperity[instruments]")
     x, y = np.meshgrid(np.arange(12.0), 3.0 * np.arange(10), indexing="ij")
     np.savetxt("oblong.xyz", np.stack([x, y, gaussian((12, 10), seed=2)], axis=-1).reshape(-1, 3))
     text = says("surface", "oblong.xyz")
@@ -168,15 +165,14 @@ def test_lengths_in_units_that_people_use(says):
     assert "use the rms slope" in hurst
 
 
-@pytest.mark.skipif(not DATA.is_dir(), reason=f"no instrument files in {DATA}; set ASPERITY_DATA")
+@needs_library
 def test_a_file_of_an_instrument(asperity, says):
-    pytest.importorskip("SurfaceTopography", reason="needs asperity[instruments]")
-    text = says("surface", DATA / "opd-1.opd", "--unit", "nm")
+    text = says("surface", stored("opd-1.opd"), "--unit", "nm")
     # What the instrument's own notes say of this file.
     assert row(text, "pixels") == "480 x 640 (rows x columns), undefined: 116"
     assert row(text, "size") == "94.4319 x 125.909 um"
     assert "nm" in row(text, "rms height")
-    assert asperity("surface", DATA / "opd-1.opd", "--channel", "nonsense", "--overwrite")[0] == 2
+    assert asperity("surface", stored("opd-1.opd"), "--channel", "nonsense", "--overwrite")[0] == 2
 
 
 def test_undefined_values_and_channels_by_flags(says):

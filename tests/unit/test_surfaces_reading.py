@@ -1,13 +1,10 @@
 """Scans as instruments and their programs write them: read as what they are, or refused."""
 
-import importlib.util
 import math
-import os
 import struct
 import time
 import tracemalloc
 import zipfile
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,14 +16,10 @@ from asperity.surfaces import read
 from asperity.surfaces.files import record_of
 from asperity.surfaces.raw import RawSurface
 from tests import instrument_files as files
-from tests.instrument_files import write
+from tests.instrument_files import needs_library, stored, write
 from tests.refusals import refuses
 
 AS_IT_IS: dict[str, Any] = {"tilt": "none", "periodic": "wrap", "max_undefined": 0.5}
-SCANS = (
-    Path(os.environ.get("ASPERITY_DATA", Path(__file__).resolve().parents[2].parent / "shared" / "data"))
-    / "scans"
-)
 RNG = np.random.default_rng(3)
 H = RNG.normal(size=(5, 7))
 WHOLE = RNG.integers(-99, 99, size=(5, 7))
@@ -36,23 +29,15 @@ Z = RNG.normal(size=(15, 20))
 SPIP = "# x-pixels = 7\n# y-pixels = 5\n# x-length = 7000\n# y-length = 10000\n"
 SPIP = f"# File Format = ASCII\n{SPIP}# x-unit = nm\n# y-unit = nm\n# z-unit = nm\n"
 NOVA = "NX = 7\nNY = 5\nScale X = 1\nScale Y = 2\nUnit X = um\nUnit Y = um\nUnit Data = nm\nStart of Data :\n"
+BOTH = np.c_[X[0], Z[:2].T]
 POINTS = np.stack([X, Y, Z], axis=-1).reshape(-1, 3)
 PROFILE = WIDE[:3].ravel()
 pytestmark = pytest.mark.usefixtures("here")
-needs_library = pytest.mark.skipif(
-    importlib.util.find_spec("SurfaceTopography") is None, reason="SurfaceTopography is not installed"
-)
 
 
 def short(value):
     """Name of a case: no content of a file."""
     return value if isinstance(value, str) and len(value) < 12 else ""
-
-
-def scan(name):
-    if not (SCANS / name).is_file():
-        pytest.skip(f"{name} is not in {SCANS}; set ASPERITY_DATA")
-    return SCANS / name
 
 
 def found(name, content=None, **options):
@@ -172,12 +157,12 @@ def test_wide_lines_are_read_as_quickly_as_others(separator):
 @needs_library
 def test_one_scan_that_another_program_wrote_both_ways():
     """Its first ten lines are five times as rough: 4.9741 nm about their plane."""
-    top = 1e9 * np.loadtxt(scan("top-rough.txt"))[:10]
+    top = 1e9 * np.loadtxt(stored("scans/top-rough.txt"))[:10]
     terms = np.stack([np.ones(600), *np.indices((10, 60)).reshape(2, -1)], axis=1)
     left = top.ravel() - terms @ np.linalg.lstsq(terms, top.ravel(), rcond=None)[0]
     assert left.std() == pytest.approx(4.9741, abs=5e-5)
     for name in ("top-rough.gwy", "top-rough.txt"):
-        level = read(scan(name), crop=[0, 10, 0, 60], unit="nm", file_unit="m", periodic="wrap")
+        level = read(stored(f"scans/{name}"), crop=[0, 10, 0, 60], unit="nm", file_unit="m", periodic="wrap")
         assert level.heights.std() == pytest.approx(left.std(), rel=1e-6)
 
 
@@ -186,7 +171,8 @@ ESRI = "NCOLS 7\nnrows 5\nXLLCENTER 0.0\nyllcorner 0.0\nCellSize 0.5\nNoData_Val
 
 @pytest.mark.parametrize("void", [-9999.0, -32768.0, 0.0, 1e38, -3.4028234663852886e38])
 def test_a_value_stands_for_undefined_pixels(void):
-    holed = np.where(np.eye(5, 7) > 0, void, H)
+    known = np.eye(5, 7) == 0
+    holed = np.where(known, H, void)
     for name, content, options in (
         ("a.asc", files.text(holed, ESRI.format(f"{void:g}")), {}),
         ("a.txt", files.text(holed, ESRI.format(f"{void:.9g}").lower()), {}),
@@ -194,9 +180,7 @@ def test_a_value_stands_for_undefined_pixels(void):
     ):
         surface, record = found(name, content, **options)
         assert record["undefined_pixels"] == 5
-        np.testing.assert_array_equal(
-            surface.heights[~np.eye(5, 7, dtype=bool)], H[~np.eye(5, 7, dtype=bool)]
-        )
+        np.testing.assert_array_equal(surface.heights[known], H[known])
         assert [rule.rpartition(": ")[2] for rule in record["undefined_by"]] == ["5 pixels"]
         assert surface.pixel_size == (None if options else (0.5, 0.5))
     np.save("a.npy", holed.astype("f4"))
@@ -205,25 +189,17 @@ def test_a_value_stands_for_undefined_pixels(void):
     one = np.array([void])  # as netCDF-4 has it
     hdf5("a.nc", h=(holed, {"_FillValue": one, "scale_factor": one**0, "units": np.array([b"um"], "S2")}))
     hdf5("b.nc", h=(holed, {"missing_value": one}))
-    for name, options in (
-        ("a.npy", {"undefined_value": void}),
-        ("a.mat", {"undefined_value": void}),
-        ("a.h5", {}),
-        ("a.nc", {}),
-        ("b.nc", {}),
-    ):
+    for name in ("a.npy", "a.mat", "a.h5", "a.nc", "b.nc"):
+        options = {"undefined_value": void} if name in ("a.npy", "a.mat") else {}
         assert found(name, **options)[1]["undefined_pixels"] == 5
     assert found("a.nc")[0].unit == "um"
-
-
-def test_nan_may_be_the_value_of_a_header():
-    holed = np.where(np.eye(5, 7) > 0, np.nan, H)
+    holed = np.where(known, H, np.nan)  # which may be the value of a header
     assert found("a.asc", files.text(holed, ESRI.format("nan")))[1]["undefined_pixels"] == 5
 
 
 def test_a_grid_whose_header_names_its_void():
-    surface, record = found(scan("corner-nodata.asc"))
-    measured = np.loadtxt(scan("corner-nodata.asc"), skiprows=6)
+    surface, record = found(stored("scans/corner-nodata.asc"))
+    measured = np.loadtxt(stored("scans/corner-nodata.asc"), skiprows=6)
     assert record["undefined_pixels"] == (measured == -9999).sum() == 465
     assert record["undefined_by"] == ["NODATA_value -9999 in the header: 465 pixels"]
     assert (surface.heights == measured).sum() == measured.size - 465
@@ -246,12 +222,8 @@ def test_sizes_and_units_of_the_header(labels, numbers):
     assert (surface.unit, surface.length_unit, record["channel"]) == ("nm", "um", "H\u00f6he")
     assert surface.pixel_size == pytest.approx((2.0, 1.0))
     np.testing.assert_array_equal(surface.heights, H)
-    in_um, _ = found("a.txt", unit="um", pixel_size=0.5, length_unit="mm")
-    assert (in_um.pixel_size, in_um.length_unit, in_um.provenance["size_from"]) == (
-        (0.5, 0.5),
-        "mm",
-        "pixel_size",
-    )
+    in_um, record = found("a.txt", unit="um", pixel_size=0.5, length_unit="mm")
+    assert (in_um.pixel_size, in_um.length_unit, record["size_from"]) == ((0.5, 0.5), "mm", "pixel_size")
 
 
 def two(first, second):
@@ -261,22 +233,12 @@ def two(first, second):
 @pytest.mark.parametrize(
     ("name", "content", "channel", "right"),
     [
-        (
-            "a.txt",
-            two("# Channel: Height (trace)\n", "# Channel: Height (retrace)\n"),
-            "Height (retrace)",
-            WIDE,
-        ),
+        ("a.txt", two("# Channel: Z (trace)\n", "# Channel: Z (retrace)\n"), "Z (retrace)", WIDE),
         ("a.txt", two("# Channel: Z\n# Value units: m\n", "# Channel: Z\n# Value units: m\n"), 1, WIDE),
         ("a.csv", two("", "\n"), 0, H),
         ("a.dat", two("# slice\n", "# slice\n"), "matrix#2", WIDE),
-        (
-            "a.csv",
-            files.text(np.c_[X[0], Z[:2].T], "X (mm);Z raw (um);Z level (um)\n", ";"),
-            "Z level (um)",
-            Z[1],
-        ),
-        ("a.csv", files.text(np.c_[X[0], Z[:2].T], "x_um;z_nm;z_nm\n", ";"), "z_nm#2", Z[1]),
+        ("a.csv", files.text(BOTH, "X (mm);Z raw (um);Z level (um)\n", ";"), "Z level (um)", Z[1]),
+        ("a.csv", files.text(BOTH, "x_um;z_nm;z_nm\n", ";"), "z_nm#2", Z[1]),
     ],
     ids=short,
 )
@@ -315,6 +277,7 @@ def test_what_stands_beside_heights_is_not_pressed():
 
 TABLE = np.zeros((33, 21))
 TABLE[1:, 1:], TABLE[0, 1:], TABLE[1:, 0] = WIDE, 1e-6 * np.arange(20), -0.25e-6 * np.arange(32)
+STEP = (0.3, 0.5)
 PLANE = np.add.outer(0.1 * np.arange(30), 0.3 * np.arange(20))
 STEPS = np.arange(60)
 GWYDDION, STYLUS = "# Lateral units: \u00b5m\n# Value units: nm\n", "Tip, 2\nX (mm), Z (um)\n"
@@ -329,40 +292,34 @@ NUMBERED = np.c_[np.arange(1, 33), WIDE]
 @pytest.mark.parametrize(
     ("name", "content", "heights", "pixel", "units"),
     [
-        ("a.xyz", files.text(np.c_[POINTS, np.arange(300) % 7]), Z[::-1], (0.3, 0.5), ("1", None)),
-        ("a.txt", files.text(POINTS), Z[::-1], (0.3, 0.5), ("1", None)),
-        ("a.txt", b"\n".join(map(files.text, np.split(POINTS, 15))), Z[::-1], (0.3, 0.5), ("1", None)),
-        ("a.csv", files.text(np.c_[np.arange(300), POINTS], "", ","), Z[::-1], (0.3, 0.5), ("1", None)),
-        ("a.csv", files.text(POINTS, "X [mm],Y [mm],Z [um]\n", ","), Z[::-1], (0.3, 0.5), ("um", "mm")),
-        ("a.csv", files.text(POINTS, "x,y,z\nmm,mm,um\n", ","), Z[::-1], (0.3, 0.5), ("um", "mm")),
+        ("a.xyz", files.text(np.c_[POINTS, np.arange(300) % 7]), Z[::-1], STEP, ("1", None)),
+        ("a.txt", files.text(POINTS), Z[::-1], STEP, ("1", None)),
+        ("a.txt", b"\n".join(map(files.text, np.split(POINTS, 15))), Z[::-1], STEP, ("1", None)),
+        ("a.csv", files.text(np.c_[np.arange(300), POINTS], "", ","), Z[::-1], STEP, ("1", None)),
+        ("a.csv", files.text(POINTS, "X [mm],Y [mm],Z [um]\n", ","), Z[::-1], STEP, ("um", "mm")),
+        ("a.csv", files.text(POINTS, "x,y,z\nmm,mm,um\n", ","), Z[::-1], STEP, ("um", "mm")),
         (
             "a.csv",
-            files.text(POINTS, "X Position [cm],Y Position [cm],Z_UM\n", ","),
+            files.text(POINTS, "X Position [cm],Y [cm],Z_UM\n", ","),
             Z[::-1],
-            (0.3, 0.5),
+            STEP,
             ("um", "cm"),
         ),
-        ("a.csv", files.text(POINTS, "x_MM,y_MM,z_m\n", ","), Z[::-1], (0.3, 0.5), ("m", "mm")),
-        ("a.xyz", files.text(POINTS, GWYDDION), Z[::-1], (0.3, 0.5), ("nm", "um")),
+        ("a.csv", files.text(POINTS, "x_MM,y_MM,z_m\n", ","), Z[::-1], STEP, ("m", "mm")),
+        ("a.xyz", files.text(POINTS, GWYDDION), Z[::-1], STEP, ("nm", "um")),
         ("a.txt", files.text(np.c_[np.round(0.16 * STEPS, 1), PROFILE]), PROFILE, (0.16,), ("1", None)),
         ("a.xyz", files.text(np.c_[np.round(1.57 * STEPS), PROFILE]), PROFILE, (1.57,), ("1", None)),
         ("a.csv", files.text(np.c_[0.1 * STEPS, PROFILE], STYLUS, ","), PROFILE, (0.1,), ("um", "mm")),
         ("a.csv", WEG, PROFILE, (0.1,), ("um", "mm")),
         ("a.csv", DEKTAK, PROFILE, (0.156,), ("um", "um")),
-        (
-            "a.csv",
-            files.text(np.c_[0.1 * STEPS, PROFILE], "x in \u00b5m,y in nm\n", ","),
-            PROFILE,
-            (0.1,),
-            ("nm", "um"),
-        ),
+        ("a.csv", files.text(np.c_[0.1 * STEPS, PROFILE], XY, ","), PROFILE, (0.1,), ("nm", "um")),
         ("a.txt", files.text(TABLE), WIDE, (0.25e-6, 1e-6), ("1", None)),
         ("a.txt", files.text(TABLE[:, 1:]), WIDE, None, ("1", None)),
         ("a.txt", files.text(TABLE[1:]), WIDE, None, ("1", None)),
         ("a.txt", files.text(NUMBERED), WIDE, None, ("1", None)),
         ("a.txt", files.text(np.c_[STEPS, PROFILE]), PROFILE, None, ("1", None)),
         ("a.txt", b"\n\n".join(map(files.text, H[:, None])), H, None, ("1", None)),
-        ("a.txt", files.text(PLANE), PLANE, None, ("1", None)),  # of which no line is a label
+        ("a.asc", files.text(PLANE), PLANE, None, ("1", None)),  # of which no line is a label
     ],
     ids=short,
 )
@@ -386,9 +343,8 @@ def test_empty_cells_at_the_end_of_all_rows_are_undefined_pixels(separator):
     surface, record = found("a.csv", "\n".join(rows).encode())
     assert (surface.shape, record["undefined_pixels"]) == ((32, 23), 96)
     np.testing.assert_array_equal(surface.heights[:, :20], WIDE)
-    assert found("b.csv", files.text(WIDE, "", separator).replace(b"\n", f"{separator}\n".encode()))[
-        0
-    ].shape == (32, 20)
+    ended = files.text(WIDE, "", separator).replace(b"\n", f"{separator}\n".encode())
+    assert found("b.csv", ended)[0].shape == (32, 20)
 
 
 def test_a_remark_is_made_once():
@@ -419,11 +375,12 @@ def test_the_extension_tells_the_format():
         np.testing.assert_allclose(surface.heights, right, rtol=1e-15)
         assert surface.pixel_size == pytest.approx((0.3125, 0.3125))
     for name in ("confocal-1.nms", "confocal-2.nms"):
-        surface, record = found(scan(name))
+        path = stored(f"scans/{name}")
+        surface, record = found(path)
         assert record["physical_size"] == pytest.approx((20.0, 20.0))
-        nx, ny = struct.unpack("<II", scan(name).read_bytes()[1368:1376])
-        low, high = struct.unpack("<dd", scan(name).read_bytes()[16:32])
-        raw = np.frombuffer(scan(name).read_bytes(), "<u2", count=nx * ny, offset=3468).reshape(ny, nx)
+        nx, ny = struct.unpack("<II", path.read_bytes()[1368:1376])
+        low, high = struct.unpack("<dd", path.read_bytes()[16:32])
+        raw = np.frombuffer(path.read_bytes(), "<u2", count=nx * ny, offset=3468).reshape(ny, nx)
         np.testing.assert_allclose(surface.heights, low + raw * (high - low) / 65534, rtol=1e-12)
 
 
