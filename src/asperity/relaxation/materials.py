@@ -89,12 +89,7 @@ def material(
     *,
     kind: Annotated[
         Kind | None,
-        Quantity(
-            "quantity in the table",
-            key="table_kind",
-            more=", if the names of its columns do not say it.",
-            swept=False,
-        ),
+        Quantity("quantity in the table", key="table_kind", more=", if its header lacks it.", swept=False),
     ] = None,
     columns: Annotated[
         Chosen | None,
@@ -117,12 +112,7 @@ def material(
     ball_radius: Annotated[
         float | str | None,
         Gt(0),
-        Quantity(
-            "radius of the ball whose force at a held depth the table has",
-            "m",
-            more=", such as 10um: with the depth it gives the modulus.",
-            swept=False,
-        ),
+        Quantity("radius of the ball whose force at a held depth the table has", "m", swept=False),
     ] = None,
     ball_depth: Annotated[
         float | str | None, Gt(0), Quantity("held depth of this ball", "m", swept=False)
@@ -130,11 +120,7 @@ def material(
     noise: Annotated[
         float | None,
         *(Ge(0), Lt(1)),
-        Quantity(
-            "largest relative change in the wrong direction that counts as noise",
-            more=". By default 0.05.",
-            swept=False,
-        ),
+        Quantity("largest relative rise or fall that is noise", more=". By default 0.05.", swept=False),
     ] = None,
     branches: Annotated[
         int | None,
@@ -171,11 +157,7 @@ def material(
     temperature: Annotated[
         float | str | None,
         Gt(0),
-        Quantity(
-            "temperature of the contact",
-            "K",
-            more=", such as 40degC: for activated creep, or to shift a relaxation table from its own.",
-        ),
+        Quantity("temperature of the contact", "K", more=", such as 40degC, for activated creep or a table."),
     ] = None,
     reference: Annotated[
         float | str | None, Gt(0), Quantity("temperature of the table", "K", more=", such as 20degC.")
@@ -183,16 +165,11 @@ def material(
     activation_energy: Annotated[
         float | str | None,
         Gt(0),
-        Quantity(
-            "activation energy of the relaxation times (Arrhenius)", "J/mol", more=", such as 100kJ/mol."
-        ),
+        Quantity("activation energy of the relaxation times", "J/mol", more=" (Arrhenius): 100kJ/mol."),
     ] = None,
     wlf: Annotated[
         Sequence[float] | None,
-        Quantity(
-            "constants C1 and C2 of Williams, Landel and Ferry",
-            more=", in place of that energy, for the decimal logarithm; C2 in K.",
-        ),
+        Quantity("constants C1 and C2 of Williams, Landel and Ferry", more=", in its place; C2 in K."),
     ] = None,
     shift: float | None = None,
     hardness: float | str | None = None,

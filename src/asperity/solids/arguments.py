@@ -16,9 +16,7 @@ POISSON = 0.35
 LARGEST = Le(1e30)
 """Products of stiffnesses and mobilities are taken in single precision, which ends at 3e38."""
 
-YOUNG = Quantity(
-    "Young's modulus", "Pa", more=", unrelaxed, in place of the contact modulus; two for two bodies."
-)
+YOUNG = Quantity("Young's modulus", "Pa", more=", unrelaxed, in place of the contact modulus; one or two.")
 RATIO = Quantity("Poisson's ratio", more="; two for two bodies.")
 
 Modulus = Annotated[
@@ -47,18 +45,10 @@ Thickness = Annotated[float | str, Gt(0), Quantity("thickness of the layer or th
 Apparatus = Annotated[
     float | str | Literal["inf"] | None,
     Gt(0),
-    Quantity(
-        "stiffness of the apparatus",
-        "N/m",
-        more=", or inf; with it a separation can be held.",
-    ),
+    Quantity("stiffness of the apparatus", "N/m", more=", or inf; with it a separation can be held."),
 ]
 Hardness = Annotated[
     float | str | None,
     Gt(0),
-    Quantity(
-        "pressure under which the rough surface yields",
-        "Pa",
-        more="; on the lattice of springs, force of a site.",
-    ),
+    Quantity("pressure under which the rough surface yields", "Pa", more="; of springs, force of a site."),
 ]

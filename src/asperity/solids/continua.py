@@ -213,11 +213,7 @@ def layer(
     branches: Branches = (),
     bonded: Annotated[
         bool,
-        Quantity(
-            "whether the layer slides on its base",
-            key="frictionless",
-            more=" without friction; else it is bonded to it.",
-        ),
+        Quantity("whether the layer slides on its base", key="frictionless", more=", or is bonded to it."),
     ] = True,
     hardness: Hardness = None,
     adhesion: Adhesion | None = None,

@@ -34,9 +34,7 @@ _Radius = Annotated[Length, Gt(0), _RADIUS]
 _PixelSize = Annotated[
     Lengths,
     *(Gt(0), Len(1, 2)),
-    Quantity(
-        "distance between sites", "m", more=": one number, or between rows and between columns.", swept=False
-    ),
+    Quantity("distance between sites", "m", more=": one, or between rows and columns.", swept=False),
 ]
 _Position = Annotated[Length, Quantity("position", "m")]
 

@@ -34,9 +34,7 @@ MOST_SITES = 2**31
 Shape = Annotated[
     int | tuple[int, ...],
     *(Ge(1), Le(MOST_SITES), Len(1, 2)),
-    Quantity(
-        "sites along each axis", dimension="sites", more=": 200 200, or 4096 for a line.", usual=(200, 200)
-    ),
+    Quantity("sites along each axis", dimension="sites", more=": 200 200, or 4096.", usual=(200, 200)),
 ]
 Rng = int | np.random.Generator | None
 Seed = Annotated[int, Ge(0), Lt(2**63), Quantity("seed of the random heights", swept=False)]

@@ -28,42 +28,29 @@ Periodic = Literal["mirror", "reflect", "taper", "wrap", "free"]
 
 def read(
     path: Annotated[
-        str | Path,
-        Quantity(
-            "surface file", more="; the other settings of this group prepare it. For spectrum its table."
-        ),
+        str | Path, Quantity("surface file", more="; the other settings prepare it. For spectrum its table.")
     ],
     *,
     undefined: Annotated[
         Literal["fill", "no-body", "refuse"],
-        Quantity(
-            "treatment of undefined pixels",
-            more=": fill (from their neighbors), no-body (nothing touches there) or refuse.",
-        ),
+        Quantity("treatment of undefined pixels", more=": fill (from neighbors), no-body or refuse."),
     ] = "fill",
     max_undefined: Annotated[
         float, Ge(0), Lt(1), Quantity("largest fraction of undefined pixels to fill")
     ] = 0.1,
     undefined_value: Annotated[
         float | None,
-        Quantity(
-            "height that marks an undefined pixel",
-            dimension="height unit",
-            more=" in the file, such as -9999.",
-        ),
+        Quantity("height that marks an undefined pixel", dimension="height unit", more=", such as -9999."),
     ] = None,
     tilt: Annotated[
         Tilt, Quantity("tilt to remove from the heights", more="; quadratic removes a bow, too.")
     ] = "plane",
     despike: Annotated[
         bool,
-        Quantity(
-            "replace spikes: pixels more than 6 robust standard deviations above the median", swept=False
-        ),
+        Quantity("fill spikes: pixels more than 6 robust standard deviations above the median", swept=False),
     ] = False,
     lines: Annotated[
-        Lines,
-        Quantity("offsets of scan lines", more=". median: subtract its median from each row."),
+        Lines, Quantity("offsets of scan lines", more=". median: subtract that of each row.")
     ] = "none",
     periodic: Annotated[
         Periodic,
@@ -83,8 +70,7 @@ def read(
         ),
     ] = None,
     channel: Annotated[
-        str | int | None,
-        Quantity("channel of the surface file", more=", by name or number. By default the file's."),
+        str | int | None, Quantity("channel of the surface file", more=", by name or number.")
     ] = None,
     resample: Annotated[
         bool, Quantity("average oblong pixels to squares of the larger spacing", swept=False)
@@ -106,11 +92,7 @@ def read(
     longest: Annotated[
         float | None,
         Gt(0),
-        Quantity(
-            "longest wavelength kept",
-            dimension="length unit",
-            more=", in the file's unit of length, or in pixels without one.",
-        ),
+        Quantity("longest wavelength kept", dimension="length unit", more=", in the file's unit."),
     ] = None,
     shortest: Annotated[
         float | None, Gt(0), Quantity("shortest wavelength kept", dimension="length unit", more=", likewise.")

@@ -54,27 +54,17 @@ def spectral(
     roll_off: Annotated[
         float | None,
         Gt(0),
-        Quantity(
-            "wavelength above which the spectrum is flat",
-            dimension="length unit",
-            more=". By default the longest side.",
-        ),
+        Quantity("wavelength above which the spectrum is flat", dimension="length unit", more=", or a side."),
     ] = None,
     cutoff: Annotated[
         float | None,
         Gt(0),
-        Quantity(
-            "shortest wavelength",
-            dimension="length unit",
-            more=". By default eight times the larger spacing.",
-        ),
+        Quantity("shortest wavelength", dimension="length unit", more=". By default 8 larger spacings."),
     ] = None,
     rms_height: Annotated[
         float | None,
         Gt(0),
-        Quantity(
-            "rms height", dimension="height unit", more=". By default 1, unless slope or curvature is given."
-        ),
+        Quantity("rms height", dimension="height unit", more=". By default 1, without slope and curvature."),
     ] = None,
     rms_slope: Annotated[
         float | None,
@@ -84,9 +74,7 @@ def spectral(
     rms_curvature: Annotated[
         float | None,
         Gt(0),
-        Quantity(
-            "rms mean curvature", dimension="height unit / length unit^2", more=", in place of the height."
-        ),
+        Quantity("rms mean curvature", dimension="height unit / length unit^2", more=", likewise."),
     ] = None,
     pixel_size: PixelSize = None,
     unit: Unit = None,
@@ -166,11 +154,7 @@ def from_spectrum(
     shape: Shape,
     spectrum: Annotated[
         Callable[[Field], ArrayLike] | tuple[ArrayLike, ArrayLike] | str | Path,
-        Quantity(
-            "table of the wave number q and the power spectrum C",
-            key="path",
-            more="; columns with units need `unit`.",
-        ),
+        Quantity("table of wave number q and power spectrum C", key="path", more="; units need `unit`."),
     ],
     *,
     pixel_size: PixelSize = 1.0,
