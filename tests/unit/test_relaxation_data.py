@@ -262,31 +262,6 @@ def write(here):
     return table
 
 
-def test_headers_say_what_columns_are_and_in_which_unit(write):
-    headers: list[tuple[str, tuple[float, ...]]] = [
-        ("t/s,E/GPa", (1, 1e9)),
-        ("t [ms],relaxation modulus (psi)", (1e-3, 6894.757293168)),
-        ("elapsed time (min),G in N/mm^2", (60, 1e6)),
-        ("time [s],J(t) [GPa^-1]", (1, 1e-9)),
-        ("time_s,compliance_per_MPa", (1, 1e-6)),
-        ("frequency_Hz,storage_MPa,loss_MPa", (2 * pi, 1e6, 1e6)),
-        ("omega_rad_s,G' (kPa),G'' (kPa)", (1, 1e3, 1e3)),
-        ("f [Hz],E' [MPa],E'' [MPa],tan delta", (2 * pi, 1e6, 1e6)),
-        ("angular frequency (1/s),E'(omega) [Pa],E''(omega) [Pa]", (1, 1, 1)),
-        ("Frequency (Hz),Storage Modulus (MPa),Loss Modulus (MPa),T [degC]", (2 * pi, 1e6, 1e6)),
-    ]
-    for header, factors in headers:
-        columns = [T, 1 / G, G, G][: header.count(",") + 1]
-        if len(factors) == 2 and "J" not in header and "ompliance" not in header:
-            columns = [T, G]
-        data = read(write(header, *columns))
-        x, values = data.columns
-        for found, column, factor in zip((x, *values), columns, factors, strict=False):
-            np.testing.assert_allclose(found, column * factor, rtol=1e-8, err_msg=header)
-        assert len(values) == len(factors) - 1
-        assert isinstance(data, (Relaxation if values[0][0] > values[0][-1] else Creep, Dynamic))
-
-
 def test_columns_without_units_are_refused_unless_units_are_stated(write):
     cases: list[tuple[str, tuple[Any, ...], str, Any, tuple[float, ...]]] = [
         ("time_s,E", (T, G), "'E'", "E=GPa", (1, 1e9)),

@@ -43,6 +43,9 @@ def written(header: str, numbers: Any, decimal: str = ",") -> str:
         ("t;E\ns;Pa", 1, 1, "young"),
         ("sep=;\ntime_s;E_MPa", 1, 1e6, "young"),
         ('"time, s";"E, MPa"', 1, 1e6, "young"),
+        ("t/s;E/GPa", 1, 1e9, "young"),
+        ("t [ms];relaxation modulus (psi)", 1e-3, 6894.757293168361, None),
+        ("elapsed time (min);G in N/mm^2", 60, 1e6, "shear"),
         # Words of three languages, and ways to write units.
         ("Zeit (min);Relaxationsmodul E(t) / MPa", 60, 1e6, None),
         ("elapsed [min];E_rel [MPa]", 60, 1e6, "young"),
@@ -112,6 +115,24 @@ def test_frequencies(name, per_second):
     assert isinstance(data, Dynamic)
     np.testing.assert_allclose(data.frequency, expected, rtol=1e-12)
     np.testing.assert_allclose([data.storage, data.loss], 1e6 * numbers[:, 1:].T, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("header", "second", "pascals"),
+    [
+        ("frequency_Hz;storage_MPa;loss_MPa", TURN, 1e6),
+        ("omega_rad_s;G' (kPa);G'' (kPa)", 1, 1e3),
+        ("f [Hz];E' [MPa];E'' [MPa];tan delta", TURN, 1e6),
+        ("angular frequency (1/s);E'(omega) [Pa];E''(omega) [Pa]", 1, 1),
+        ("Frequency (Hz);Storage Modulus (MPa);Loss Modulus (MPa);T [degC]", TURN, 1e6),
+    ],
+)
+def test_headers_of_dynamic_moduli(header, second, pascals):
+    others = np.zeros((5, header.count(";") - 2))
+    data = read(written(header, np.hstack([RISING, others])))
+    assert isinstance(data, Dynamic)
+    np.testing.assert_allclose(data.frequency, second * RISING[:, 0], rtol=1e-12)
+    np.testing.assert_allclose([data.storage, data.loss], pascals * RISING[:, 1:].T, rtol=1e-12)
 
 
 def test_the_marks_of_storage_and_loss_are_kept_in_any_order():
@@ -299,6 +320,8 @@ def test_a_run_takes_a_table_of_any_names_and_of_a_shear_modulus():
 @pytest.mark.parametrize(
     ("header", "factor_of_values"),
     [
+        ("time [s];J(t) [GPa^-1]", 1e-9),
+        ("time_s;compliance_per_MPa", 1e-6),
         ("t/aT (s);J (10^-6/MPa)", 1e-12),
         ("aT*t [s];J (µε/MPa)", 1e-12),
         ("t/a_T [s];J (10^-3 1/GPa)", 1e-12),

@@ -34,6 +34,7 @@ _READING, _FITTING = (
     ("branches", "per_decade", "extrapolate"),
 )
 _SHIFT = ("temperature", "reference", "activation_energy", "wlf", "shift")
+_Positive = Annotated[float | str | None, Gt(0)]
 _ELASTIC, _WORDS = ("modulus", "young", "poisson"), get_args(Modulus)
 
 
@@ -105,18 +106,12 @@ def material(
         Quantity('units in place of those of the table: a column and its unit, such as "E=MPa"', swept=False),
     ] = None,
     stress: Annotated[
-        float | str | None,
-        Gt(0),
-        Quantity("constant stress of a table of strain against time", "Pa", swept=False),
+        _Positive, Quantity("constant stress of a table of strain against time", "Pa", swept=False)
     ] = None,
     ball_radius: Annotated[
-        float | str | None,
-        Gt(0),
-        Quantity("radius of the ball whose force at a held depth the table has", "m", swept=False),
+        _Positive, Quantity("radius of the ball whose force at a held depth the table has", "m", swept=False)
     ] = None,
-    ball_depth: Annotated[
-        float | str | None, Gt(0), Quantity("held depth of this ball", "m", swept=False)
-    ] = None,
+    ball_depth: Annotated[_Positive, Quantity("held depth of this ball", "m", swept=False)] = None,
     noise: Annotated[
         float | None,
         *(Ge(0), Lt(1)),
@@ -155,16 +150,14 @@ def material(
     young: float | str | None = None,
     poisson: float | None = None,
     temperature: Annotated[
-        float | str | None,
-        Gt(0),
+        _Positive,
         Quantity("temperature of the contact", "K", more=", such as 40degC, for activated creep or a table."),
     ] = None,
     reference: Annotated[
-        float | str | None, Gt(0), Quantity("temperature of the table", "K", more=", such as 20degC.")
+        _Positive, Quantity("temperature of the table", "K", more=", such as 20degC.")
     ] = None,
     activation_energy: Annotated[
-        float | str | None,
-        Gt(0),
+        _Positive,
         Quantity("activation energy of the relaxation times", "J/mol", more=" (Arrhenius): 100kJ/mol."),
     ] = None,
     wlf: Annotated[

@@ -275,10 +275,7 @@ def checked_apparatus(stiffness: float | str | None) -> float | None:
 
 def checked_permanent(share: float) -> float:
     """Check the share of the modulus beside a local law."""
-    least, expected = (
-        0.0 if share == 0 else _LEAST_PERMANENT,
-        f"0, or a share from {_LEAST_PERMANENT:g} to 0.99",
-    )
+    least, expected = 0.0 if share == 0 else _LEAST_PERMANENT, f"0, or from {_LEAST_PERMANENT:g} to 0.99"
     return checks.number("permanent", share, least=least, most=0.99, expected=expected)
 
 

@@ -70,7 +70,7 @@ def sphere(shape: Shape, *, radius: _Radius, pixel_size: _PixelSize, edges: Edge
     lattice = _lattice(shape, pixel_size)
     size = _lengths("radius", radius, least=max(lattice.spacing))
     heights = _balls(lattice, _middle(lattice)[np.newaxis], size, np.zeros(1), edges)
-    return _made("sphere", lattice, heights, edges, radius=float(size[0]))
+    return _made("sphere", lattice, heights, edges, radius=size[0])
 
 
 def paraboloid(
@@ -93,7 +93,7 @@ def paraboloid(
     radii = _lengths("radius", radius, 2, "an axis", least=max(lattice.spacing))
     y, x = _offsets(lattice, _middle(lattice), edges)
     heights = -(y**2 / (2 * radii[0]) + x**2 / (2 * radii[1]))
-    return _made("paraboloid", lattice, heights, edges, radius=radii.tolist())
+    return _made("paraboloid", lattice, heights, edges, radius=radii)
 
 
 def punch(shape: Shape, *, radius: _Radius, pixel_size: _PixelSize, edges: Edges = "free") -> Surface:
@@ -110,7 +110,7 @@ def punch(shape: Shape, *, radius: _Radius, pixel_size: _PixelSize, edges: Edges
     Other arguments, result and errors are those of `sphere`.
     """
     lattice = _lattice(shape, pixel_size)
-    size = float(_lengths("radius", radius, least=max(lattice.spacing))[0])
+    size = _lengths("radius", radius, least=max(lattice.spacing))[0]
     y, x = _offsets(lattice, _middle(lattice), edges)
     face = y**2 + x**2 <= (size * (1 + _ROUNDING)) ** 2
     return _made("punch", lattice, np.where(face, 0.0, -size), edges, radius=size)
@@ -152,13 +152,12 @@ def array(
     size = _lengths("radii", radii, len(where), "a ball", least=max(lattice.spacing))
     tops = _lengths("heights", heights, len(where), "a ball")
     balls = _balls(lattice, where / lattice.spacing, size, tops, edges)
-    placement = {"y": where[:, 0], "x": where[:, 1], "radii": size, "heights": tops}
-    lists = {name: values.tolist() for name, values in placement.items()}
-    return _made("array", lattice, balls, edges, **lists)
+    return _made("array", lattice, balls, edges, y=where[:, 0], x=where[:, 1], radii=size, heights=tops)
 
 
-def _made(kind: str, lattice: Lattice, field: Field, edges: Edges, **facts: float | list[float]) -> Surface:
-    origin = {"kind": kind, "shape": list(lattice.shape), **facts, "pixel_size": list(lattice.spacing)}
+def _made(kind: str, lattice: Lattice, field: Field, edges: Edges, **facts: Field) -> Surface:
+    numbers = {name: values.tolist() for name, values in facts.items()}
+    origin = {"kind": kind, "shape": list(lattice.shape), **numbers, "pixel_size": list(lattice.spacing)}
     return Surface(field, "m", lattice.spacing, "m", {**origin, "length_unit": "m"}, edges)
 
 

@@ -77,8 +77,7 @@ def levelled(
             raise InputError("despike", expected=expected, got=f"{share:.3g}", advice="heights as they are")
     facts: Facts = {"tilt_rule": tilt, "tilt_coefficients": removed, "lines_rule": lines}
     facts |= {"outlying_pixels": int(outlying.sum()), "outlying_height": highest}
-    if most_spikes is not None:
-        facts["despiked_pixels"] = int((filled & ~missing).sum())
+    facts |= {} if most_spikes is None else {"despiked_pixels": int((filled & ~missing).sum())}
     return fill(np.where(filled, np.nan, level)), filled, facts
 
 

@@ -36,6 +36,7 @@ Shape = Annotated[
     *(Ge(1), Le(MOST_SITES), Len(1, 2)),
     Quantity("sites along each axis", dimension="sites", more=": 200 200, or 4096.", usual=(200, 200)),
 ]
+Positive = Annotated[float | None, Gt(0)]
 Rng = int | np.random.Generator | None
 Seed = Annotated[int, Ge(0), Lt(2**63), Quantity("seed of the random heights", swept=False)]
 Rms = Annotated[float, Gt(0), Quantity("rms height", dimension="height unit")]

@@ -20,6 +20,7 @@ from asperity.lattice import Edges, Field
 from asperity.surfaces import doubts, files, levelling, prepare
 from asperity.surfaces.files import Length
 from asperity.surfaces.levelling import Lines, Tilt
+from asperity.surfaces.making import Positive
 from asperity.surfaces.points import LARGEST_READ
 from asperity.surfaces.surface import Provenance, Surface
 
@@ -90,12 +91,10 @@ def read(
         Quantity("unit of that part", more=", in place of pixels.", swept=False),
     ] = None,
     longest: Annotated[
-        float | None,
-        Gt(0),
-        Quantity("longest wavelength kept", dimension="length unit", more=", in the file's unit."),
+        Positive, Quantity("longest wavelength kept", dimension="length unit", more=", in the file's unit.")
     ] = None,
     shortest: Annotated[
-        float | None, Gt(0), Quantity("shortest wavelength kept", dimension="length unit", more=", likewise.")
+        Positive, Quantity("shortest wavelength kept", dimension="length unit", more=", likewise.")
     ] = None,
     file_unit: Annotated[
         Length | None,
@@ -195,13 +194,11 @@ def read(
         An option is out of range, the unit cannot be converted, `resample` would leave less than two pixels
         along an axis, or a larger fraction of the pixels than `max_undefined` are spikes.
     """
-    units = (unit, crop_unit, file_unit, length_unit)
-    unit, crop_unit, file_unit, length_unit = (one and prepare.spelled(one) for one in units)  # type: ignore[assignment]
-    arguments = locals()
-    for name in ("undefined", "tilt", "lines", "periodic", "unit", "crop_unit", "file_unit", "length_unit"):
-        parameters_of(read)[name].read(name, arguments[name])
-    expected = "a fraction from 0 to below 1"
-    limit = checks.number("max_undefined", max_undefined, least=0, below=1, expected=expected)
+    arguments, of_words = locals(), ("undefined", "tilt", "lines", "periodic")
+    of_words += ("unit", "crop_unit", "file_unit", "length_unit")
+    words = [parameters_of(read)[name].read(name, arguments[name]) for name in of_words]
+    unit, crop_unit, file_unit, length_unit = words[4:]
+    limit = checks.number("max_undefined", max_undefined, least=0, below=1)
     limits = prepare.checked_band(longest, shortest)
     void = None if undefined_value is None else checks.number("undefined_value", undefined_value)
     file, checksum = files.checked_file(path)

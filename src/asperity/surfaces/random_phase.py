@@ -27,7 +27,7 @@ from typing import Annotated
 
 import numpy as np
 import scipy
-from annotated_types import Ge, Gt, Le
+from annotated_types import Ge, Le
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.base import checks
@@ -35,7 +35,7 @@ from asperity.base.parameters import Quantity
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.surfaces.heights import checked_spacing
-from asperity.surfaces.making import PixelSize, Rng, Seed, Shape, Unit, in_unit
+from asperity.surfaces.making import PixelSize, Positive, Rng, Seed, Shape, Unit, in_unit
 from asperity.surfaces.spectrum_files import read_spectrum
 
 _USUAL_CUTOFF = 8
@@ -43,38 +43,30 @@ _USUAL_CUTOFF = 8
 
 _ROUNDING = 1e-9
 
-Hurst = Annotated[float, Ge(0), Le(1), Quantity("Hurst exponent")]
-
 
 @in_unit
 def spectral(
     shape: Shape,
     *,
-    hurst: Hurst = 0.8,
+    hurst: Annotated[float, Ge(0), Le(1), Quantity("Hurst exponent")] = 0.8,
     roll_off: Annotated[
-        float | None,
-        Gt(0),
+        Positive,
         Quantity("wavelength above which the spectrum is flat", dimension="length unit", more=", or a side."),
     ] = None,
     cutoff: Annotated[
-        float | None,
-        Gt(0),
+        Positive,
         Quantity("shortest wavelength", dimension="length unit", more=". By default 8 larger spacings."),
     ] = None,
     rms_height: Annotated[
-        float | None,
-        Gt(0),
+        Positive,
         Quantity("rms height", dimension="height unit", more=". By default 1, without slope and curvature."),
     ] = None,
     rms_slope: Annotated[
-        float | None,
-        Gt(0),
+        Positive,
         Quantity("rms slope", dimension="height unit / length unit", more=", in place of the height."),
     ] = None,
     rms_curvature: Annotated[
-        float | None,
-        Gt(0),
-        Quantity("rms mean curvature", dimension="height unit / length unit^2", more=", likewise."),
+        Positive, Quantity("rms mean curvature", dimension="height unit / length unit^2", more=", likewise.")
     ] = None,
     pixel_size: PixelSize = None,
     unit: Unit = None,
