@@ -295,7 +295,7 @@ def test_what_is_no_spectrum_is_refused():
     ]
     each_refuses(
         *((name, from_spectrum, (32, 16), wrong) for name, wrong in of_own),
-        got=" | shapes (2,) and (3,) | none | 3.0 | others | NaN among them | shape (3,) | 0.0 | 0.0",
+        got=" | shapes (2,) and (3,) | none | 3.0 | - | NaN among them | shape (3,) | 0.0 | 0.0",
     )
     of_hurst: list[tuple[str, dict[str, Any]]] = [
         ("hurst", {"hurst": 1.1}),

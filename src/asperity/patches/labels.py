@@ -115,8 +115,7 @@ def patches(in_contact: ArrayLike, connectivity: int = 1, *, edges: Edges = "per
 
 def pieces_of(touching: Mask, connectivity: int, edges: Edges) -> Pieces:
     """Find patches, with their bonds across periodic edges; arguments and errors as of `patches`."""
-    expected = "1 (nearest neighbors) or 2 (diagonals too)"
-    connectivity = checks.integer("connectivity", connectivity, least=1, most=2, expected=expected)
+    connectivity = checks.integer("connectivity", connectivity, least=1, most=2)
     checks.choice("edges", edges, get_args(Edges))
     structure = scipy.ndimage.generate_binary_structure(touching.ndim, min(connectivity, touching.ndim))
     labels, count = scipy.ndimage.label(touching, structure)

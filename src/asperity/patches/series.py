@@ -141,9 +141,8 @@ def clustering(in_contact: ArrayLike, box: int | None = None) -> float:
     touching = mask("in_contact", in_contact)
     sites, shorter = touching.size, min(touching.shape)
     fraction = np.count_nonzero(touching) / sites
-    expected = f"a whole number of sites, 2 to {shorter // 2} (half an axis)"
     side = usual_box(touching) if box is None else box
-    side = checks.integer("box", side, least=_SMALLEST_BOX, most=shorter // 2, expected=expected)
+    side = checks.integer("box", side, least=_SMALLEST_BOX, most=shorter // 2)
     if fraction in (0.0, 1.0):
         return math.nan
     inside = touching.astype(np.int64)

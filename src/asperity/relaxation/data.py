@@ -55,8 +55,7 @@ class _Data(views.Brief):
     """Whether the first quantity falls along the data, or rises."""
 
     def __post_init__(self: Any) -> None:
-        if self.extrapolate not in (None, *get_args(Extrapolate)):
-            raise InputError("extrapolate", expected="'plateau' or None", got=checks.shown(self.extrapolate))
+        checks.choice("extrapolate", self.extrapolate, (None, *get_args(Extrapolate)))
         object.__setattr__(self, "noise", checks.number("noise", self.noise, least=0, below=1))
         for name in self.names():
             object.__setattr__(self, name, checks.line(name, getattr(self, name)))
@@ -110,9 +109,7 @@ class _Data(views.Brief):
             if wrong.any():
                 at = int(np.argmax(wrong))
                 expected = f"{name} {'not below' if zero else 'above'} 0"
-                raise InputError(
-                    name, expected=expected, got=f"{values[at]:g} at point {at + 1} of {values.size}"
-                )
+                raise InputError(name, expected=expected, got=f"{values[at]:g} at point {at + 1}")
         if not (rises := np.diff(along) > 0).all():
             at = int(np.argmin(rises))
             got = f"{along[at + 1]:g} after {along[at]:g}, at point {at + 2}"
@@ -126,14 +123,11 @@ class _Data(views.Brief):
         at = int(np.argmax(change))
         if change[at] > self.noise:
             before = int(np.flatnonzero(values[: at + 1] == extreme[at])[0])
-            least = math.ceil(100 * change[at] + 1e-9) / 100
-            way = "rise" if self.falls else "fall"
-            raise InputError(
-                name,
-                expected=f"no {way} with {along} beyond {100 * self.noise:g} % of noise",
-                got=f"{values[before]:.4g} at {x[before]:.3g}, then {values[at]:.4g} at {x[at]:.3g}",
-                advice=f"noise={least:g}, if this is noise" if least < 0.5 else "",
-            )
+            least, way = math.ceil(100 * change[at] + 1e-9) / 100, "rise" if self.falls else "fall"
+            expected = f"no {way} with {along} beyond {100 * self.noise:g} % of noise"
+            got = f"{values[before]:.4g} at {x[before]:.3g}, then {values[at]:.4g} at {x[at]:.3g}"
+            advice = f"noise={least:g}, if this is noise" if least < 0.5 else ""
+            raise InputError(name, expected=expected, got=got, advice=advice)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -249,12 +243,9 @@ class Creep(_InTime):
         weights = fluid if flows else solid
         fluidity, instantaneous, delayed = float(weights[0]), float(weights[1]), weights[2:]
         if not instantaneous > 1e-6 * self.compliance[0]:
-            raise InputError(
-                "compliance",
-                expected="creep that begins with an elastic strain",
-                got=f"one that vanishes before {self.time[0]:.3g} s",
-                advice="earlier times, or none of the first",
-            )
+            expected, got = "creep that begins elastically", f"none of it before {self.time[0]:.3g} s"
+            advice = "earlier times, or none of the first"
+            raise InputError("compliance", expected=expected, got=got, advice=advice)
         kept = delayed > 0
         return from_retardation(instantaneous, np.column_stack([delayed, times])[kept], fluidity)
 

@@ -195,9 +195,5 @@ def _modulus(columns: Columns, places: list[int], asked: Modulus | None) -> Modu
 
 
 def _unclear(columns: Columns, advice: str) -> InputError:
-    return InputError(
-        columns.table.name,
-        expected="columns of time and modulus, compliance, strain or force; or frequency and both moduli",
-        got=named(columns.table),
-        advice=advice,
-    )
+    expected = "columns of time and modulus, compliance, strain or force; or frequency and both moduli"
+    return InputError(columns.table.name, expected=expected, got=named(columns.table), advice=advice)

@@ -250,8 +250,7 @@ def _found(data: Measured, per_decade: float | None, branches: int | None) -> Fi
             expected = "none beside a number per decade"
             raise InputError("branches", expected=expected, got=checks.shown(branches))
         most = (data.columns[0].size - 1) // 2
-        expected = f"a number from 1 to {most}, for as many points as there are"
-        count = checks.integer("branches", branches, least=1, most=most, expected=expected)
+        count = checks.integer("branches", branches, least=1, most=most)
         return _with(data, next(islice(_free_times(data, 0), count - 1, None)))
     if per_decade is not None:
         density = checks.number("per_decade", per_decade, least=0.2, most=10)

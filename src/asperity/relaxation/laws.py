@@ -36,8 +36,7 @@ from asperity.relaxation.series import PronySeries, of_weights
 
 _DENSITIES = (1, 1.25, 1.5, 1.75, 2, 2.5, 3, 3.5, 4, 5, 6, 8, 10)  # times per decade, tried in this order
 
-_BEST = 1e-6
-_DECADES = 40
+_DECADES, _ABOVE_0 = 40, "a finite number > 0"
 
 
 def power_law(
@@ -68,7 +67,7 @@ def power_law(
     InputError
         A number is out of its range, or the times are in the wrong order.
     """
-    modulus = checks.number("modulus", modulus, least=1 / LARGEST, expected="a finite modulus > 0")
+    modulus = checks.number("modulus", modulus, least=1 / LARGEST, expected=_ABOVE_0)
     n = checks.number("exponent", exponent, above=0, below=1)
     time, first, last, accuracy = _checked(time, first, last, accuracy)
 
@@ -108,10 +107,8 @@ def fractional_zener(
 
     Other arguments, result and errors are those of `power_law`.
     """
-    expected = "a finite modulus > 0"
-    modulus = checks.number("instantaneous", instantaneous, least=1 / LARGEST, expected=expected)
-    expected = f"a modulus >= 0 and below the instantaneous one, {modulus:g}"
-    permanent = checks.number("relaxed", relaxed, least=0, below=modulus, expected=expected) / modulus
+    modulus = checks.number("instantaneous", instantaneous, least=1 / LARGEST, expected=_ABOVE_0)
+    permanent = checks.number("relaxed", relaxed, least=0, below=modulus) / modulus
     n = checks.number("exponent", exponent, least=0.02, most=1)
     time, first, last, accuracy = _checked(time, first, last, accuracy)
 
@@ -145,13 +142,12 @@ def mittag_leffler(exponent: float, time: Floats) -> Floats:
 
 
 def _checked(time: float, first: float, last: float, accuracy: float) -> tuple[float, ...]:
-    time = checks.number("time", time, least=1 / LARGEST, expected="a finite time > 0")
-    first = checks.number("first", first, least=1 / LARGEST, expected="a finite time > 0")
-    last = checks.number("last", last, above=first, expected=f"a time after the first, {first:g}")
+    time = checks.number("time", time, least=1 / LARGEST, expected=_ABOVE_0)
+    first = checks.number("first", first, least=1 / LARGEST, expected=_ABOVE_0)
+    last = checks.number("last", last, above=first)
     if (decades := math.log10(last / first)) > _DECADES:
-        expected = f"at most {_DECADES} decades from the first time"
-        raise InputError("last", expected=expected, got=f"{decades:.1f}")
-    return time, first, last, checks.number("accuracy", accuracy, least=_BEST, most=0.5)
+        raise InputError("last", expected=f"at most {_DECADES} decades after `first`", got=f"{decades:.1f}")
+    return time, first, last, checks.number("accuracy", accuracy, least=1e-6, most=0.5)
 
 
 def _approximate(

@@ -53,12 +53,9 @@ def wlf(c1: float, c2: float, temperature: float, reference: float) -> float:
     T, reference = _kelvin("temperature", temperature), _kelvin("reference", reference)
     above = c2 + (T - reference)
     if above <= 0:
-        raise InputError(
-            "temperature",
-            expected=f"more than reference - c2 = {reference - c2:g} K, where the law of WLF ends",
-            got=f"{T:g} K",
-            advice="arrhenius, which is usual below the glass transition",
-        )
+        expected = f"more than reference - c2 = {reference - c2:g} K, where the law of WLF ends"
+        advice = "arrhenius, which is usual below the glass transition"
+        raise InputError("temperature", expected=expected, got=f"{T:g} K", advice=advice)
     return _power_of_e(-math.log(10) * c1 * (T - reference) / above, T)
 
 

@@ -48,20 +48,14 @@ def check_branches(branches: Iterable[Sequence[float | str]]) -> Branches:
         try:
             share, time = [] if isinstance(pair, (str, dict, set)) else pair
         except (TypeError, ValueError) as error:
-            expected = "a share and a relaxation time"
             got = checks.shown(pair)
-            raise InputError(f"branch {number}", expected=expected, got=got, advice=advice) from error
-        expected = "a share > 0 and <= 1"
-        share = checks.number(f"share {of}", share, above=0, most=1 + ROUNDING, expected=expected)
-        expected = "a finite time > 0"
-        time = units.number(f"relaxation time {of}", time, "s", least=1 / LARGEST, expected=expected)
+            raise InputError(f"branch {number}", expected="a pair", got=got, advice=advice) from error
+        share = checks.number(f"share {of}", share, above=0, most=1 + ROUNDING)
+        time = units.number(f"relaxation time {of}", time, "s", least=1 / LARGEST)
         checked.append((share, time))
     total = math.fsum(share for share, _ in checked)
     if total > 1 + ROUNDING:
-        raise InputError(
-            "branches",
-            expected="shares of the instantaneous modulus, 1 together at most",
-            got=f"{total:.6g} together",
-            advice=f"each share divided by {total:.6g}, if nothing is permanent",
-        )
+        expected, got = "shares of the instantaneous modulus, 1 together at most", f"{total:.6g} together"
+        advice = f"each share divided by {total:.6g}, if nothing is permanent"
+        raise InputError("branches", expected=expected, got=got, advice=advice)
     return tuple(sorted(checked, key=lambda branch: branch[1]))

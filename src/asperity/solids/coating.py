@@ -200,16 +200,12 @@ def coated_half_space(
     if film.branches or base.branches:
         _, times, _, error = shares_of(coated)
         if error > _LARGEST_ERROR:
-            raise InputError(
-                "branches",
-                expected="a film and a base that both keep a part of their stiffness",
-                got=f"relaxation that no times up to {times[-1]:.3g} describe (error {error:.2g})",
-                advice="shares of less than 1 in sum",
-            )
+            expected = "a film and a base that both keep a part of their stiffness"
+            got = f"relaxation that no times up to {times[-1]:.3g} describe (error {error:.2g})"
+            raise InputError("branches", expected=expected, got=got, advice="shares of less than 1 in sum")
         parameters["largest_error"] = error
-        creeping = tuple(
-            CreepBranch(CoatedStiffness(coated, number), time=time) for number, time in enumerate(times)
-        )
+        stiffness = (CoatedStiffness(coated, number) for number in range(times.size))
+        creeping = tuple(CreepBranch(law, time=time) for law, time in zip(stiffness, times, strict=True))
     return Solid(
         permanent=CoatedStiffness(coated),
         branches=creeping,

@@ -314,12 +314,8 @@ class Solid(views.InNotebooks):
             hanging = permanent if self.creep is None else creeping[0]
             whole.flat[0] = hanging.flat[0] = mounted
         if whole.flat[0] == 0 and not self.loaded_from_afar:
-            raise InputError(
-                "creeping stiffness",
-                expected="more than 0 at wave vector 0: the normal load passes through it",
-                got="0: it carries no load",
-                advice="k1 > 0",
-            )
+            expected = "more than 0 at wave vector 0: the normal load passes through it"
+            raise InputError("creeping stiffness", expected=expected, got="0", advice="k1 > 0")
         if not whole.flat[1:].all():
             raise InputError("stiffness", expected="H + C > 0 at every wave vector but 0", got="0 at some")
         return Spectra(permanent, creeping, rate)

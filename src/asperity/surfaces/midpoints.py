@@ -81,8 +81,7 @@ def self_affine(
         A number is out of range, or the size is not a power of two.
     """
     length = power_of_two("size", size)
-    expected = "a number above 0 and up to 1"
-    exponent = checks.number("hurst", hurst, above=0, most=1, expected=expected, advice="0.5")
+    exponent = checks.number("hurst", hurst, above=0, most=1)
     width = checks.number("delta", delta, above=0)
     random = checks.generator(seed, rng)
 

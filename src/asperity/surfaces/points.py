@@ -117,10 +117,8 @@ def _numbered(places: Field) -> tuple[NDArray[np.intp], float] | None:
     with np.errstate(over="ignore", invalid="ignore"):  # of coordinates that are no numbers
         from_first = places - places.min(initial=np.inf)
     side = float(from_first.max(initial=0.0))
-    if not math.isfinite(side):
-        return None
     gaps = np.diff(np.unique(from_first))
-    gaps = gaps[gaps > _SAME * side]
+    gaps = gaps[gaps > _SAME * side]  # none if the side is no number
     if not gaps.size:
         return None
     # Gaps of one spacing, but for rounding: a line without points leaves a gap of two or more.

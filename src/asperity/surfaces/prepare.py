@@ -71,13 +71,10 @@ def part_of(
 
 def checked_band(longest: float | None, shortest: float | None) -> dict[str, float]:
     """Check the limits of a band of wavelengths, and return those that are not None by name."""
-    bounds = {"longest": longest, "shortest": shortest}
-    limits = {
-        name: checks.number(name, bound, above=0) for name, bound in bounds.items() if bound is not None
-    }
-    if len(limits) == 2 and limits["shortest"] >= limits["longest"]:
-        expected = f"a wavelength below the longest, {limits['longest']:g}"
-        raise InputError("shortest", expected=expected, got=f"{limits['shortest']:g}")
+    limits = {} if longest is None else {"longest": checks.number("longest", longest, above=0)}
+    if shortest is not None:
+        below = limits.get("longest", np.inf)
+        limits["shortest"] = checks.number("shortest", shortest, above=0, below=below)
     return limits
 
 

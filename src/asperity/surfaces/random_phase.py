@@ -114,7 +114,7 @@ def spectral(
     """
     del unit  # `in_unit` takes it
     lengths = checks.lattice_shape(shape)
-    exponent = checks.number("hurst", hurst, least=0, most=1, expected="a number from 0 to 1", advice="0.8")
+    exponent = checks.number("hurst", hurst, least=0, most=1)
     sizes: dict[str, ArrayLike | None] = {"pixel_size": pixel_size, "spacing": spacing}
     if pixel_size is None and spacing is None:
         sizes["pixel_size"] = 1.0
@@ -189,23 +189,17 @@ def from_spectrum(
     sides = checked_spacing("pixel_size", pixel_size, len(lengths))
     q = Lattice(lengths, sides).wave_number
     kept = q > 0
-    power = np.zeros(q.shape)
-    measured = (
-        checks.floats("spectrum", spectrum(q[kept])) if callable(spectrum) else _of_table(spectrum, q[kept])
-    )
-    if measured.shape not in ((), q[kept].shape):
-        raise InputError(
-            "spectrum", expected=f"C at {q[kept].size} wave numbers", got=f"shape {measured.shape}"
-        )
+    power, waves = np.zeros(q.shape), q[kept]
+    measured = spectrum(waves) if callable(spectrum) else _of_table(spectrum, waves)
+    measured = checks.not_negative("spectrum", measured)
+    if measured.shape not in ((), waves.shape):
+        raise InputError("spectrum", expected=f"C at {waves.size} waves", got=f"shape {measured.shape}")
     power[kept] = measured
-    if not (np.isfinite(power) & (power >= 0)).all():
-        raise InputError("spectrum", expected="finite C >= 0 at all wave numbers", got="others")
     if not power.any():
-        covered = f"{q[kept].min(initial=math.inf):.3g} to {q.max():.3g}"
+        covered = f"{waves.min(initial=math.inf):.3g} to {q.max():.3g}"
         raise InputError("spectrum", expected=f"power between wave numbers of {covered}", got="none")
-    modes = _phases(lengths, checks.generator(seed, rng)) * np.sqrt(
-        power * (math.prod(lengths) / math.prod(sides))
-    )
+    amplitude = np.sqrt(power * (math.prod(lengths) / math.prod(sides)))
+    modes = _phases(lengths, checks.generator(seed, rng)) * amplitude
     return np.asarray(scipy.fft.irfftn(modes, s=lengths))
 
 
@@ -235,17 +229,11 @@ def _band(
     roll_off: float | None, cutoff: float | None, sides: list[float], spacing: tuple[float, ...]
 ) -> tuple[float, float]:
     side, step = max(sides), max(spacing)
-    least = min(2 * step, side) * (1 - _ROUNDING)
-    longest = side
-    if roll_off is not None:
-        expected = f"a wavelength of {least:g} or more, two of the larger spacings"
-        longest = checks.number("roll_off", roll_off, least=least, expected=expected)
+    least = min(2 * step, side) * (1 - _ROUNDING)  # two of the larger spacings
+    longest = side if roll_off is None else checks.number("roll_off", roll_off, least=least)
     if cutoff is None:
         return longest, min(_USUAL_CUTOFF * step, longest, side)
-    expected = f"a wavelength from {least:g}, two of the larger spacings, to {longest:g}, the roll-off"
-    return longest, checks.number(
-        "cutoff", cutoff, least=least, most=longest * (1 + _ROUNDING), expected=expected
-    )
+    return longest, checks.number("cutoff", cutoff, least=least, most=longest * (1 + _ROUNDING))
 
 
 def _roughness(

@@ -292,11 +292,10 @@ def combined(first: Surface, second: Surface) -> Surface:
     """
     for name, surface in (("first", first), ("second", second)):
         checks.instance(name, surface, Surface, "asperity.surfaces.Surface(heights)")
-    mirrored = [surface.provenance.get("periodic_rule") == "mirror" for surface in (first, second)]
     for attribute, mine, other in (
         ("shape", first.shape, second.shape),
         ("edges", first.edges, second.edges),
-        ("mirror images", *mirrored),
+        ("shape without mirror images", first.scan.shape, second.scan.shape),
     ):
         if mine != other:
             raise InputError("second", expected=f"the {attribute} of the first, {mine}", got=other)
