@@ -212,20 +212,24 @@ def material(
     for name in arguments:
         if name not in (*names, "hardness"):
             raise InputError(name, expected=f"none beside {description}", got=checks.shown(arguments[name]))
+
+    def chosen(names: Iterable[str]) -> dict[str, Any]:
+        """Those of the arguments that are given."""
+        return {name: arguments[name] for name in names if name in arguments}
+
     if isinstance(source, Solid):
         solid = source.with_hardness(hardness)
         return Material(solid, draws=_draws(draws, solid))
-    factor = _shift(**{name: arguments[name] for name in _SHIFT if name in arguments})
+    factor = _shift(chosen(_SHIFT))
     measured: Any = modulus if isinstance(modulus, str) and modulus in _WORDS else None
     fitted: Fit | None = None
     series: PronySeries | None = None
     if isinstance(source, PronySeries):
         series = source.shifted(factor)
     elif source is not None:
-        how = {name: arguments[name] for name in _READING if name in arguments}
-        table = read(source, modulus=measured, **how) if isinstance(source, str | Path) else source
-        options = {name: arguments[name] for name in _FITTING if name in arguments}
-        fitted = fit(table.shifted(factor), **options)
+        is_file = isinstance(source, str | Path)
+        table = read(source, modulus=measured, **chosen(_READING)) if is_file else source
+        fitted = fit(table.shifted(factor), **chosen(_FITTING))
         if not fitted.data.absolute:
             known, measured = _known(arguments)
             absolute = fitted.data.scaled(known / fitted.series.modulus)
@@ -257,31 +261,25 @@ def _about(source: object) -> tuple[str, tuple[str, ...]]:
     raise InputError("material", expected=expected, got=checks.kind_of(source), advice=advice)
 
 
-def _shift(
-    temperature: float | str | None = None,
-    reference: float | str | None = None,
-    activation_energy: float | str | None = None,
-    wlf: Sequence[float] | None = None,
-    shift: float | None = None,
-) -> float:
+def _shift(how: Mapping[str, Any]) -> float:
     """Factor on all times: `shift`, or that of Arrhenius or WLF."""
-    if (temperature, reference, activation_energy, wlf) == (None, None, None, None):
-        return 1.0 if shift is None else checks.number("shift", shift, above=0)
-    for name, value in (("temperature", temperature), ("reference", reference)):
-        if value is None:
+    if how.keys() <= {"shift"}:
+        return checks.number("shift", how.get("shift", 1.0), above=0)
+    for name in ("temperature", "reference"):
+        if name not in how:
             expected = "the temperatures of contact and table"
             raise InputError(name, expected=expected, got="none", advice=f"{name}='25 degC'")
-    ways = [way for way in (activation_energy, wlf, shift) if way is not None]
+    ways = how.keys() - {"temperature", "reference"}
     if len(ways) != 1:
         expected, advice = "an activation energy, or the constants of WLF", "activation_energy='100 kJ/mol'"
         got = "both" if ways else "neither"
         raise InputError("activation_energy", expected=expected, got=got, advice=advice)
-    kelvin = si.quantity(temperature, "K", "temperature"), si.quantity(reference, "K", "reference")
-    if wlf is not None:
+    kelvin = [si.quantity(how[name], "K", name) for name in ("temperature", "reference")]
+    if (wlf := how.get("wlf")) is not None:
         if len(wlf) != 2:
             raise InputError("wlf", expected="two constants, C1 and C2", got=checks.shown(wlf))
-        return by_wlf(wlf[0], wlf[1], *kelvin)
-    return arrhenius(si.quantity(activation_energy, "J/mol", "activation_energy"), *kelvin)
+        return by_wlf(*wlf, *kelvin)
+    return arrhenius(si.quantity(how.get("activation_energy"), "J/mol", "activation_energy"), *kelvin)
 
 
 def _instantaneous(

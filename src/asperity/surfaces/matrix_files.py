@@ -169,7 +169,7 @@ def _header(file: IO[bytes], size: int) -> tuple[tuple[int, ...], str]:
 def _chosen(path: Path, channel: str | int | None, shapes: Mapping[str, tuple[int, ...]]) -> str:
     if not shapes:
         raise SurfaceFileError(str(path), expected=f"an array of {_EXPECTED}", got="none")
-    return choose(str(path), channel, {name: " x ".join(map(str, shape)) for name, shape in shapes.items()})
+    return choose(str(path), channel, shapes)
 
 
 def _attribute(node: Any, name: str, default: Any) -> Any:

@@ -194,15 +194,15 @@ def read(
         An option is out of range, the unit cannot be converted, `resample` would leave less than two pixels
         along an axis, or a larger fraction of the pixels than `max_undefined` are spikes.
     """
-    arguments, of_words = locals(), ("undefined", "tilt", "lines", "periodic")
-    of_words += ("unit", "crop_unit", "file_unit", "length_unit")
-    words = [parameters_of(read)[name].read(name, arguments[name]) for name in of_words]
-    unit, crop_unit, file_unit, length_unit = words[4:]
+    given = locals()
+    words = {name: one.read(name, given[name]) for name, one in parameters_of(read).items() if one.words}
+    unit, crop_unit = words["unit"], words["crop_unit"]
     limit = checks.number("max_undefined", max_undefined, least=0, below=1)
     limits = prepare.checked_band(longest, shortest)
     void = None if undefined_value is None else checks.number("undefined_value", undefined_value)
     file, checksum = files.checked_file(path)
-    raw = files.with_lengths(files.read_raw(file, channel, void), file_unit, pixel_size, length_unit)
+    raw = files.read_raw(file, channel, void)
+    raw = files.with_lengths(raw, words["file_unit"], pixel_size, words["length_unit"])
     heights, size = raw.heights, raw.pixel_size
     cut: Provenance = {}
     if crop is not None:

@@ -115,7 +115,8 @@ def fill(heights: Field) -> Field:
         laplacian = scipy.sparse.linalg.LaplacianNd(grid, boundary_conditions="neumann", dtype=np.float64)
         rows = laplacian.tosparse().tocsr()[missing]
         links, rim = rows[:, missing], rows[:, ~missing]
-        solution = scipy.sparse.linalg.spsolve(-links.tocsc(), rim @ known, permc_spec="MMD_AT_PLUS_A")
+        solve = scipy.sparse.linalg.spsolve
+        solution = np.asarray(solve(-links.tocsc(), rim @ known, permc_spec="MMD_AT_PLUS_A"))
         # Rounding leaves no pixel below the lowest or above the highest one at the border of its hole.
         holes, hole = scipy.sparse.csgraph.connected_components(links, directed=False)
         lowest, highest = np.full(holes, np.inf), np.full(holes, -np.inf)

@@ -52,8 +52,8 @@ def without(heights: Field, value: float, name: str, where: str = "") -> tuple[F
     return np.where(void, np.nan, heights), f"{name} {value:g}{where}: {void.sum()} pixels"
 
 
-def choose(name: str, channel: str | int | None, channels: Mapping[str, str]) -> str:
-    """Pick a channel by its name or number, by None the only one; `channels` describes each.
+def choose(name: str, channel: str | int | None, channels: Mapping[str, str | tuple[int, ...]]) -> str:
+    """Pick a channel by its name or number, by None the only one; `channels` has the shape or place of each.
 
     Raises
     ------
@@ -70,7 +70,8 @@ def choose(name: str, channel: str | int | None, channels: Mapping[str, str]) ->
         return names[channel]
     if isinstance(channel, str) and channel in channels:
         return channel
-    listed = [f"{each!r} (number {i}, {unit})" for i, (each, unit) in enumerate(channels.items())]
+    told = [one if isinstance(one, str) else " x ".join(map(str, one)) for one in channels.values()]
+    listed = [f"{each!r} (number {i}, {told[i]})" for i, each in enumerate(names)]
     if len(listed) > 8:
         listed[8:] = [f"and {len(names) - 8} more"]
     got = "none" if channel is None else f"channel {channel!r}"

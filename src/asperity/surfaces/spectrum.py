@@ -30,7 +30,6 @@ from numpy.typing import ArrayLike
 from asperity.base import views
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
-from asperity.surfaces.heights import check_heights, checked_spacing
 from asperity.surfaces.levelling import remove_tilt
 from asperity.surfaces.moments import statistics
 from asperity.surfaces.prepare import checked_band
@@ -176,24 +175,13 @@ def power_spectrum(
     InputError
         `check_heights` refuses the surface, a number is out of range, or the range has less than three bins.
     """
-    unit, length_unit = "1", "pixel"
-    edges = ""
-    if isinstance(surface, Surface):
-        scan = surface.scan
-        heights, sizes, unit, edges = scan.heights, scan.pixel_size, scan.unit, scan.edges
-        if sizes is not None:
-            length_unit = scan.length_unit or "unit of length"
-    else:
-        heights = check_heights(surface)
-        sizes = None if pixel_size is None else checked_spacing("pixel_size", pixel_size, heights.ndim)
-        length_unit = "pixel" if sizes is None else "unit of length"
+    scan = surface.scan if isinstance(surface, Surface) else Surface(surface, pixel_size=pixel_size)
+    heights, sizes = scan.heights, scan.pixel_size or (1.0,) * scan.heights.ndim
     if not np.isfinite(heights).all():
         expected, advice = "a body that covers its lattice, for a spectrum", "a part of it: Surface.crop"
         raise InputError("surface", expected=expected, got="sites without body", advice=advice)
-    sizes = sizes or (1.0,) * heights.ndim
     limits = checked_band(longest, shortest)
-    measured = statistics(heights)
-    fits = edges in ("", "periodic") and measured.seam_ratio <= _FITTING_SEAM
+    fits = scan.edges == "periodic" and statistics(heights).seam_ratio <= _FITTING_SEAM
     level, _ = remove_tilt(heights, np.ones(heights.shape, dtype=bool), "mean" if fits else "plane")
     windows = [np.ones(n) if fits or n == 1 else np.hanning(n + 1)[:-1] for n in heights.shape]
     q, power = _isotropic(level, sizes, windows)
@@ -214,8 +202,8 @@ def power_spectrum(
         anisotropy=_ratio(profiles[0], profiles[-1]),
         window="none" if fits else "Hann",
         fit=_fit(bins, heights.ndim, limits),
-        unit=unit,
-        length_unit=length_unit,
+        unit=scan.unit,
+        length_unit="pixel" if scan.pixel_size is None else scan.length_unit or "unit of length",
     )
 
 

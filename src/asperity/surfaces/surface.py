@@ -292,13 +292,13 @@ def combined(first: Surface, second: Surface) -> Surface:
     """
     for name, surface in (("first", first), ("second", second)):
         checks.instance(name, surface, Surface, "asperity.surfaces.Surface(heights)")
-    for attribute, mine, other in (
+    for same, wanted, got in (
         ("shape", first.shape, second.shape),
         ("edges", first.edges, second.edges),
         ("shape without mirror images", first.scan.shape, second.scan.shape),
     ):
-        if mine != other:
-            raise InputError("second", expected=f"the {attribute} of the first, {mine}", got=other)
+        if wanted != got:
+            raise InputError("second", expected=f"the {same} of the first, {wanted}", got=got)
     mine, other_unit, unit = first.pixel_size, second.length_unit, first.length_unit
     across = 1.0 if other_unit == unit else readable.conversion(other_unit, unit) or math.nan
     pixels = second.pixel_size and [across * side for side in second.pixel_size]
@@ -306,8 +306,8 @@ def combined(first: Surface, second: Surface) -> Surface:
         expected = f"the pixel size of the first, {_pixel_words(first)}"
         raise InputError("second", expected=expected, got=_pixel_words(second))
     if first.unit == second.unit == "rms":
-        got = "heights in units of the rms of each"
-        raise InputError("second", expected="heights of one unit", got=got, advice="a unit of length")
+        of_each = "heights in units of the rms of each"
+        raise InputError("second", expected="heights of one unit", got=of_each, advice="a unit of length")
     factor = 1.0 if first.unit == second.unit else readable.conversion(second.unit, first.unit)
     if factor is None:
         expected = f"heights that can be added to those of the first, in {first.unit!r}"

@@ -86,7 +86,7 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
         advice = "a # before header lines, and NaN for undefined pixels"
         got = repr(shortened(words[0], 60))
         raise SurfaceFileError(str(path), expected=expected, got=got, advice=advice)
-    rows, shapes, others = {}, {}, []
+    rows, others = {}, []
     labels = [
         shortened("".join(block.fact("channel")), 40) or "matrix" * (len(blocks) > 1) for block in blocks
     ]
@@ -95,12 +95,12 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
         if unit and not is_length(spelled(unit)):
             others.append(f"{name!r} in {unit}")
             continue
-        rows[name], shapes[name] = (table, block), " x ".join(map(str, table.values.shape))
+        rows[name] = table, block
     if not rows:
         raise SurfaceFileError(str(path), expected="heights in a unit of length", got=", ".join(others))
     if "" in rows:
         return _surface(path, *rows[""], channel)
-    name = choose(str(path), channel, shapes)
+    name = choose(str(path), channel, {each: table.values.shape for each, (table, _) in rows.items()})
     return dataclasses.replace(_surface(path, *rows[name], None), channel=name, channels=tuple(rows))
 
 
