@@ -227,8 +227,8 @@ def material(
     if isinstance(source, PronySeries):
         series = source.shifted(factor)
     elif source is not None:
-        is_file = isinstance(source, str | Path)
-        table = read(source, modulus=measured, **chosen(_READING)) if is_file else source
+        how = chosen(_READING) | {"modulus": measured}
+        table = read(source, **how) if isinstance(source, str | Path) else source
         fitted = fit(table.shifted(factor), **chosen(_FITTING))
         if not fitted.data.absolute:
             known, measured = _known(arguments)

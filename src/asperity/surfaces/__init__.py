@@ -37,18 +37,9 @@ __all__ = [
     "sphere",
     "statistics",
 ]
-KINDS: dict[str, Callable[..., Any]] = {
-    "gaussian": gaussian,
-    "exponential": exponential,
-    "self_affine": self_affine,
-    "spectral": spectral,
-    "spectrum": from_spectrum,
-    "sphere": sphere,
-    "paraboloid": paraboloid,
-    "punch": punch,
-    "array": array,
-    "file": read,
-}
+_MAKERS = (gaussian, exponential, self_affine, spectral, from_spectrum, sphere, paraboloid, punch, array)
+KINDS: dict[str, Callable[..., Any]] = {make.__name__.removeprefix("from_"): make for make in _MAKERS}
+KINDS["file"] = read
 """What makes surfaces, by the kind in a configuration; annotated arguments are its keys."""
 
 __dir__ = _answered(globals())

@@ -30,6 +30,7 @@ from numpy.typing import ArrayLike
 from asperity.base import views
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
+from asperity.surfaces.heights import check_heights
 from asperity.surfaces.levelling import remove_tilt
 from asperity.surfaces.moments import statistics
 from asperity.surfaces.prepare import checked_band
@@ -175,7 +176,9 @@ def power_spectrum(
     InputError
         `check_heights` refuses the surface, a number is out of range, or the range has less than three bins.
     """
-    scan = surface.scan if isinstance(surface, Surface) else Surface(surface, pixel_size=pixel_size)
+    if not isinstance(surface, Surface):
+        surface = Surface(check_heights(surface), pixel_size=pixel_size)
+    scan = surface.scan
     heights, sizes = scan.heights, scan.pixel_size or (1.0,) * scan.heights.ndim
     if not np.isfinite(heights).all():
         expected, advice = "a body that covers its lattice, for a spectrum", "a part of it: Surface.crop"
