@@ -37,8 +37,11 @@ __all__ = [
     "sphere",
     "statistics",
 ]
-_MAKERS = (gaussian, exponential, self_affine, spectral, from_spectrum, sphere, paraboloid, punch, array)
-KINDS: dict[str, Callable[..., Any]] = {make.__name__.removeprefix("from_"): make for make in _MAKERS}
+_AT_RANDOM: tuple[Any, ...] = (gaussian, exponential, self_affine, spectral, from_spectrum)
+_ALONE: tuple[Any, ...] = (sphere, paraboloid, punch, array)
+KINDS: dict[str, Callable[..., Any]] = {
+    make.__name__.removeprefix("from_"): make for make in (*_AT_RANDOM, *_ALONE)
+}
 KINDS["file"] = read
 """What makes surfaces, by the kind in a configuration; annotated arguments are its keys."""
 
