@@ -113,13 +113,9 @@ def test_a_file_is_read_as_that_of_a_run_and_arguments_replace_its_keys(tmp_path
         ("modulus", "'bulk'", DATA, {"modulus": "bulk"}),
         ("poisson", "0.6", DATA, {"modulus": "contact", "poisson": 0.6}),
         ("reference", "none", DATA, {"temperature": "20 degC"}),
+        ("wlf", "(1,)", DATA, WARM | {"wlf": (1,)}),
         ("activation_energy", "neither", DATA, {"temperature": "20 degC", "reference": "0 degC"}),
-        (
-            "activation_energy",
-            "both",
-            DATA,
-            {"temperature": 300, "reference": 290, "wlf": (1, 50), "shift": 2},
-        ),
+        ("activation_energy", "both", DATA, WARM | {"wlf": (1, 50), "shift": 2}),
         ("configuration", "solid.toml: No such file", "solid.toml", {}),
     ],
 )

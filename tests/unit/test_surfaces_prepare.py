@@ -41,7 +41,7 @@ def holed(shape, fraction, seed):
     return heights
 
 
-@pytest.mark.parametrize("shape", [(7, 6), (12,)])
+@pytest.mark.parametrize("shape", [(7, 6), (12,), (1, 9)])
 def test_a_filled_pixel_is_the_mean_of_its_neighbors(shape):
     heights = holed(shape, 0.4, seed=8)
     heights.flat[0] = np.nan  # a corner too
