@@ -563,24 +563,6 @@ def test_a_drift_is_remarked_as_it_may_be_a_fluid(rate):
     assert any("drift" in remark for remark in found.remarks) == bool(rate)
 
 
-def test_an_inference_of_minutes_says_so(monkeypatch):
-    stages: list[str] = []
-
-    class Listener(asp.progress.Progress):
-        def stage(self, name, times=()):
-            stages.append(name)
-
-    monkeypatch.setattr(concluding, "_OF_PROFILES", 10**8)
-    asp.infer(
-        T,
-        noisy(line(T, 1.2, 0.1)),
-        model=line,
-        priors={"scale": (1, 2), "slope": (0.01, 1)},
-        progress=Listener(),
-    )
-    assert re.fullmatch(r"fitting models side by side, about \d+ min", stages[0])
-
-
 BALL: dict[str, float] = {"load": 1e-7, "radius": 5e-6, "modulus": 3e6, "share_1": 0.4, "time_1": 20.0}
 
 

@@ -174,7 +174,7 @@ def infer(
     with listener(progress) as listening:
         how: Any = {"seed": seed, "quantity": measured, "listening": listening}
         found = conclude(family, others, stated=stated, sampling=sampling, **how)
-    remarks += drift_in(found.rivals[0]) if creeps else []
+    remarks += drift_in(found.rivals[0], float(t[-1]), found.model.curve) if creeps else []
     return replace(found, remarks=(*remarks, *found.remarks))
 
 
