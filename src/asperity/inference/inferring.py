@@ -43,7 +43,7 @@ _OF_INDENTERS = ("radius", "angle", "poisson", "contact", "drift")
 def infer(
     time: ArrayLike | Record | Indentation,
     area: ArrayLike | None = None,
-    error: ArrayLike | None = None,
+    error: ArrayLike | str | None = None,
     *,
     force: ArrayLike | None = None,
     model: str | Callable[..., ArrayLike] = "relaxation",
@@ -77,8 +77,8 @@ def infer(
         Areas, static friction or forces above 0, shape (n,), in any unit, such as A(t)/A(0), unless they
         are `absolute`. With a `force`, depths of an indenter, m, of any sign.
     error
-        Standard errors, one or shape (n,). By default the scatter about the best fit, whose neighbors
-        may correlate; see `asperity.inference.problem`.
+        Standard errors, one or shape (n,), or their part of the values, such as ``"1%"``. By default the
+        scatter about the best fit, whose neighbors may correlate; see `asperity.inference.problem`.
     force
         Forces on an indenter, N, shape (n,): its approach and hold make the solid, an `IndentedSolid`, and
         its retraction is predicted.
@@ -179,7 +179,11 @@ def infer(
 
 
 def _data(
-    time: ArrayLike | Record, area: ArrayLike | None, error: ArrayLike | None, model: object, quantity: object
+    time: ArrayLike | Record,
+    area: ArrayLike | None,
+    error: ArrayLike | str | None,
+    model: object,
+    quantity: object,
 ) -> tuple[Series, str]:
     """Values and errors in order of time, and the measured quantity."""
     if isinstance(time, Record):
@@ -192,6 +196,8 @@ def _data(
         raise InputError("quantity", expected=expected, got=checks.shown(quantity))
     of_models = {"healing": "friction", "held": "force"}
     measured = str(quantity or of_models.get(str(model), "area"))
+    if isinstance(error, str):
+        error = units.number("error", error, "1", above=0) * checks.positive(measured, area)
     if error is not None and (errors := checks.positive("error", error)).ndim == 0:
         error = np.full(np.shape(area), errors)  # type: ignore[arg-type]
     series = Series.checked(time, area, error, ("time", measured, "error"))
@@ -235,7 +241,7 @@ def _check_none(**facts: object) -> None:
     """Refuse facts about a force on an indenter without one, or about a curve with one."""
     for name, fact in facts.items():
         if fact not in (None, 0.0, "0", False):
-            beside = "without a force on an indenter" if name in _OF_INDENTERS else "with one"
+            beside = f"{'without' if name in _OF_INDENTERS else 'with'} a force on an indenter"
             raise InputError(name, expected=f"none {beside}", got=checks.shown(fact))
 
 
