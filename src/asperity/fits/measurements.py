@@ -252,7 +252,7 @@ def _time(columns: Columns, first: int) -> int:
 def _value(columns: Columns, time: int, taken: set[int], quantities: Sequence[str]) -> int:
     """Column of the values: that with name or unit of a quantity, or the first one that is not taken."""
     others = [at for at in columns.chosen if at not in taken and columns.roles[at] not in ("time", "stderr")]
-    what, cure = " or ".join(quantities), dict[str, Value](columns=f"{time} VALUE")
+    what, cure = " or ".join(quantities), dict[str, Value]()
     if not any(columns.table.names):
         return _only(columns, others[:1], what, cure)
     wanted = {_OF_VALUES[name].unit for name in quantities}
@@ -263,8 +263,8 @@ def _value(columns: Columns, time: int, taken: set[int], quantities: Sequence[st
     known = [columns.roles[at] for at in others if columns.roles[at] in _OF_VALUES and not named]
     if len(known) == 1 and set(quantities) < set(QUANTITIES[:-1]):
         cure = {"quantity": known[0]}
-    elif not {"", *wanted}.intersection(kinds.values()):
-        cure = {}
+    elif possible := [at for at in others if kinds[at] in {"", *wanted}]:
+        cure = {"columns": f"{time} {possible[0]}"}
     return _only(columns, called if len(called) == 1 else named or unnamed, what, cure)
 
 
