@@ -172,6 +172,8 @@ def test_what_is_no_record_is_refused():
         inferred(TIME, DEPTH, force=FORCE, ramp=1.0, **BALL)
     with refuses("radius", got="'10 um'"):
         inferred([1.0, 2.0, 3.0], [1.0, 2.0, 3.0], **BALL)
+    with refuses("branches", got="7"):
+        inferred(TIME, DEPTH, force=FORCE, branches=7, **BALL)
     with refuses("prior of weight", got="weight"):
         inferred(TIME, DEPTH, force=noisy(6), priors={"weight": (1, 2)}, branches=1, **BALL)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from asperity.base.checks import Floats
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits.result import rms, student
 from asperity.inference.found import Inference
-from asperity.inference.leastsquares import Profile, best_fit, drawn, least, profiles
+from asperity.inference.leastsquares import best_fit, drawn, least, profiles
 from asperity.inference.models import MOST_BRANCHES, Model
 from asperity.inference.problem import Problem
 from asperity.inference.rivals import ACCEPTED, CORRELATED, LEAST_ERROR, Plan, Rival, side_by_side, with_draws
@@ -91,7 +91,13 @@ def conclude(
     first, remarks = _judged(rivals, stated(rivals[0]))
     say("following the profile of each parameter")
     best, followed = profiles(first.problem, first.at)
-    draws = _drawn(first.problem, followed, seed, sampling, say)
+    if sampling is None:
+        z, worth = drawn(first.problem, followed, _DRAWS, seed)
+        draws = Draws(z[np.newaxis], math.nan, worth)
+    else:
+        count = f"{ENSEMBLES * sampling.walkers:,} walkers"
+        say(f"sampling {len(followed)} parameters of {first.problem.model.name}, {count}")
+        draws = sample(first.problem, seed=seed, report=say, **vars(sampling))
     first = replace(first, at=best, z=draws.flat)
 
     def drawn_of(problem: Problem, at: Floats) -> Floats | None:
@@ -128,22 +134,6 @@ def conclude(
         quantity,
         unit,
     )
-
-
-def _drawn(
-    problem: Problem,
-    followed: Mapping[int, Profile],
-    seed: int,
-    sampling: Sampling | None,
-    say: Callable[[str], object],
-) -> Draws:
-    """Samples of the posterior, or draws along profiles."""
-    if sampling is None:
-        z, worth = drawn(problem, followed, _DRAWS, seed)
-        return Draws(z[np.newaxis], math.nan, worth)
-    count = ENSEMBLES * sampling.walkers
-    say(f"sampling {len(problem.used)} parameters of {problem.model.name}, {count:,} walkers")
-    return sample(problem, seed=seed, report=say, **vars(sampling))
 
 
 def _judged(rivals: list[Rival], stated: Model | None) -> tuple[Rival, list[str]]:

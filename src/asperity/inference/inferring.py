@@ -120,33 +120,33 @@ def infer(
     InputError, ConvergenceError
         The priors exclude the data; the ensembles do not agree.
     """
-    sampling = Sampling(walkers, effective, workers, checkpoint) if sample else None
+    many = checks.integer("walkers", walkers, least=50), checks.integer("effective", effective, least=1)
+    if branches is not None:
+        checks.integer("branches", branches, least=1, most=MOST_BRANCHES)
+    ranges = checks.instance("priors", {} if priors is None else priors, dict, "{'time_1': (1, 1e6)}")
+    seed, sampling = checks.seed(seed, rng), Sampling(*many, workers, checkpoint) if sample else None
     if sampling:
         libraries()
     if force is not None or isinstance(time, Indentation):
         _check_none(error=error, quantity=quantity, absolute=absolute, ramp=ramp)
+        if isinstance(time, Indentation):
+            _check_none(area=area, force=force, contact=contact, drift=drift)
+        else:
+            time = Indentation.of(time, area, force, contact=contact, drift=drift)  # type: ignore[arg-type]
         tip: dict[str, Any] = {"tip": model, "radius": radius, "angle": angle, "poisson": poisson}
-        tip |= {"priors": priors, "branches": branches, "sampling": sampling, "seed": checks.seed(seed, rng)}
-        return of_record(_indentation(time, area, force, contact, drift), **tip, progress=progress)
+        tip |= {"priors": ranges, "branches": branches, "sampling": sampling, "seed": seed}
+        return of_record(time, **tip, progress=progress)
     _check_none(radius=radius, angle=angle, poisson=poisson, contact=contact, drift=drift)
     loading = float(units.number("ramp", ramp, "s", least=0))
-    series, measured = _data(time, area, error, model, quantity)
+    series, measured = _data(time, area, error, model, quantity, loading)
     series, remarks = _some(series, _MOST_SAMPLED if sample else _MOST_POINTS)
     t, v, errors = series.x, series.y, series.stderr
-    if t[0] < loading:
-        raise InputError("time", expected=f"times after the ramp, from {loading:g} s on", got=float(t[0]))
     noise = _per_time(t, v) if model == "held" else v
-    seed = checks.seed(seed, rng)
-    checks.integer("walkers", walkers, least=50)
-    checks.integer("effective", effective, least=1)
-    if branches is not None:
-        checks.integer("branches", branches, least=1, most=MOST_BRANCHES)
-        if model not in OF_BRANCHES:
-            expected = "model 'relaxation', 'ball' or 'held' beside it"
-            raise InputError("branches", expected=expected, got=checks.shown(model))
+    if branches is not None and model not in OF_BRANCHES:
+        expected = "model 'relaxation', 'ball' or 'held' beside it"
+        raise InputError("branches", expected=expected, got=checks.shown(model))
     if callable(model) and workers > 1:
         _check_importable(model)
-    ranges = checks.instance("priors", {} if priors is None else priors, dict, "{'time_1': (1, 1e6)}")
     model_of = functools.partial(of_name, time=t, value=v, ramp=loading, quantity=quantity)
     model_with_priors = functools.partial(model_of, model, priors=ranges, absolute=absolute)
     least = max([branches or 1, *(int(key[-1]) for key in ranges if _NUMBERED.fullmatch(key))])
@@ -184,6 +184,7 @@ def _data(
     error: ArrayLike | str | None,
     model: object,
     quantity: object,
+    ramp: float = 0.0,
 ) -> tuple[Series, str]:
     """Values and errors in order of time, and the measured quantity."""
     if isinstance(time, Record):
@@ -204,6 +205,8 @@ def _data(
     t = series.x
     if t.size < 2 or not t.any():
         raise InputError("time", expected="two times or more, above 0", got=checks.shown(t.tolist()))
+    if t[0] < ramp:
+        raise InputError("time", expected=f"times after the ramp, from {ramp:g} s on", got=float(t[0]))
     if t[-1] > LARGEST:
         raise InputError("time", expected=f"times up to {LARGEST:g} s", got=float(t[-1]))
     if not callable(model):
@@ -227,14 +230,6 @@ def _per_time(t: Floats, v: Floats) -> Floats:
     """Shape of the noise of a force: a row is the mean over the time around it."""
     width = np.gradient(t) / np.ptp(t)
     return np.asarray(v.mean() / np.sqrt(np.maximum(width, 1e-3 * width.mean())))
-
-
-def _indentation(time: Any, depth: Any, force: Any, contact: float | str, drift: float | str) -> Indentation:
-    """The record of an indenter, of itself or of its columns."""
-    if not isinstance(time, Indentation):
-        return Indentation.of(time, depth, force, contact=contact, drift=drift)
-    _check_none(area=depth, force=force, contact=contact, drift=drift)
-    return time
 
 
 def _check_none(**facts: object) -> None:

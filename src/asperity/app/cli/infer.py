@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import re
 import shlex
 import sys
 from collections.abc import Mapping
@@ -21,7 +20,6 @@ from asperity.errors import InputError, printable
 if TYPE_CHECKING:
     from asperity.fits import Measurements
 
-_OF_RECORDS = "load.?point|lastpunkt|veloc|displac|geschwindig|weg|vitesse|deplacement|déplacement|slip"
 _RESULTS, _READING, _DRAWN, _COLUMNS = Results(), Reading(), Drawn(), CurveColumns()
 _INDENTER = Indenter()
 
@@ -171,9 +169,10 @@ class _Data:
 
 
 def _is_sliding(file: Path) -> bool:
-    from asperity.sheets.tables import read_table
+    from asperity.friction.reading import ROLES
+    from asperity.sheets.columns import Columns
 
-    return any(re.search(_OF_RECORDS, name, re.I) for name in read_table(file).names)
+    return bool({"load point", "velocity", "displacement"} & {*Columns(file, ROLES).roles})
 
 
 def _sliding(
@@ -219,6 +218,8 @@ def _curve(
     quantity: str | None,
 ) -> _Data:
     """Read times in s, values and errors of a curve."""
+    import numpy as np
+
     from asperity.fits.measurements import errors_beside
     from asperity.sheets.tables import read_table
 
@@ -228,30 +229,30 @@ def _curve(
     table = _measurements(file, {**chosen, **reading}, model, quantity)
     if error is not None and table.stderr is not None:
         raise InputError("--error", expected="none beside --column-stderr", got=error)
+    remarks, unit, how = table.remarks, table.value_unit, dict[str, object]()
     unit_time, unit_area = units
-    seconds = _factor("--unit-time", unit_time or table.time_unit or "s", "s", "a unit of time, such as min")
-    how: dict[str, object] = {}
     if model == "ball":
-        quantity, unit_area = quantity or table.quantity, unit_area or table.value_unit or None
+        quantity, unit_area = quantity or table.quantity, unit_area or table.value_unit
         if quantity not in ("depth", "radius", "area"):
             expected = "depth, radius or area of the contact of the ball"
             got = f"a column {table.value_name!r}"
             raise InputError("--quantity", expected=expected, got=got, advice="--quantity depth")
         how["quantity"] = quantity
-    target, example = {
-        "lattice": ("1", "1, for areas over the nominal one"),
-        "ball": ("m", "a unit of length, such as nm"),
-        "held": ("N", "a unit of force, such as nN"),
-    }.get(model if quantity != "area" else "", ("m^2", "a unit of area, such as mm^2"))
-    square = _factor("--unit-area", unit_area or "1", target, example)
-    how["absolute"] = unit_area is not None and model != "held"
-    remarks = table.remarks
+    how["absolute"] = bool(unit_area) and model != "held"
+    target = "1"
+    if unit_area:
+        by_model = {"lattice": "1", "ball": "m^2" if quantity == "area" else "m", "held": "N"}
+        target = by_model.get(model, "m^2")
+        unit = target.removeprefix("1")
     if not (unit_time or table.time_unit or model == "lattice"):
         remarks = (*remarks, f"no unit of time beside {table.time_name!r}, taken as s; --unit-time decides")
-    error = table.stderr if error is None else error  # type: ignore[assignment]
-    errors = error if error is None or isinstance(error, str) else square * error
-    unit = table.value_unit if unit_area is None else target.removeprefix("1")
-    return _Data((seconds * table.time, square * table.value, errors), table.source, remarks, unit, how)
+    of_time = unit_time or table.time_unit or "s"
+    if isinstance(error, float):
+        table = replace(table, stderr=np.full_like(table.value, error))
+    table = replace(table, time_unit="s" if of_time == "1" else of_time, value_unit=unit_area or "")
+    table = table.in_units("s", target, ("--unit-time", "--unit-area"))
+    errors = error if isinstance(error, str) else table.stderr
+    return _Data((table.time, table.value, errors), table.source, remarks, unit, how)
 
 
 def _measurements(file: Path, how: dict[str, Any], model: str, quantity: str | None) -> Measurements:
@@ -277,13 +278,3 @@ def _measurements(file: Path, how: dict[str, Any], model: str, quantity: str | N
         of = {"force": "held", "friction": "healing", "area": "relaxation"}
         mistake.cure = {"model": of.get(str(mistake.cure["quantity"]), "ball")}
         raise mistake.about(mistake.name) from None
-
-
-def _factor(flag: str, unit: str, target: str, expected: str) -> float:
-    """Factor from a unit to that of SI."""
-    from asperity.base import units
-
-    factor = 1.0 if unit == "1" else units.factor(units.spelled(unit) or "", target)
-    if factor is None:
-        raise InputError(flag, expected=expected, got=unit)
-    return factor
