@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,8 @@ from asperity.errors import ConvergenceError, InputError
 from asperity.fits.result import rms, student
 from asperity.inference.found import Inference
 from asperity.inference.leastsquares import best_fit, drawn, least, profiles
-from asperity.inference.models import MOST_BRANCHES, Model
+from asperity.inference.models import MOST_BRANCHES
+from asperity.inference.priors import Given
 from asperity.inference.problem import Problem
 from asperity.inference.rivals import ACCEPTED, CORRELATED, LEAST_ERROR, Plan, Rival, side_by_side, with_draws
 from asperity.inference.sampling import ENSEMBLES, Draws, sample
@@ -50,7 +51,7 @@ def conclude(
     family: Sequence[Plan],
     others: Sequence[Plan] = (),
     *,
-    stated: Callable[[Rival], Model | None] = lambda _: None,
+    priors: Mapping[str, Given] | None = None,
     sampling: Sampling | None = None,
     seed: int = 0,
     quantity: str = "area",
@@ -68,9 +69,8 @@ def conclude(
         shape of the noise, whose size and correlation are measured about the best fit.
     others
         Models for comparison.
-    stated
-        The chosen model with priors of the user in place of default ones, which fits and comparisons have;
-        None without any.
+    priors
+        Those of the user by parameter of the chosen model; fits and comparisons have the default ones.
     sampling
         To sample the posterior; by default profiles and curvature of least squares.
     seed
@@ -88,7 +88,7 @@ def conclude(
     say = (listening or Progress()).stage
     say("fitting models side by side")
     rivals = side_by_side(family, others)
-    first, remarks = _judged(rivals, stated(rivals[0]))
+    first, remarks = _judged(rivals, priors)
     say("following the profile of each parameter")
     best, followed = profiles(first.problem, first.at)
     if sampling is None:
@@ -136,7 +136,7 @@ def conclude(
     )
 
 
-def _judged(rivals: list[Rival], stated: Model | None) -> tuple[Rival, list[str]]:
+def _judged(rivals: list[Rival], priors: Mapping[str, Given] | None) -> tuple[Rival, list[str]]:
     """The chosen model, with errors and with the priors of the user, if there are any; remarks."""
     first, remarks = rivals[0], list[str]()
     problem, at, n = first.problem, first.at, first.misfit.size
@@ -172,7 +172,8 @@ def _judged(rivals: list[Rival], stated: Model | None) -> tuple[Rival, list[str]
         )
         problem = replace(problem, error=wide * error, rho=rho_left, counted=counted, informed=True)
     before, at = best_fit(problem, at[np.newaxis])
-    if stated is not None:
+    if priors:
+        stated = problem.model.with_priors(priors)
         problem = replace(problem, model=stated)
         after, at = best_fit(problem)
         misfit = problem.misfit(at[np.newaxis])[0]

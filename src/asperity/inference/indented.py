@@ -22,7 +22,7 @@ from asperity.inference.indenting import REACH, Indentation, noise
 from asperity.inference.models import MOST_BRANCHES, Model, Values, branches_of, held, relaxed
 from asperity.inference.priors import Given, Prior
 from asperity.inference.problem import Problem
-from asperity.inference.rivals import Rival, drift_in
+from asperity.inference.rivals import drift_in
 from asperity.progress import Progress, listener
 from asperity.theory.indenters import SHAPES, Tip, forces, tip_of
 
@@ -228,12 +228,9 @@ def of_record(
         problem = Problem(few.time[rows], few.force[rows], error, model, informed=False)
         family.append((counted(n, "relaxation time"), n, problem))
 
-    def stated(first: Rival) -> Model | None:
-        return first.problem.model.with_priors(priors) if priors else None
-
     with listener(progress) as listening:
         how: Any = {"seed": seed, "quantity": "force", "unit": "N", "listening": listening}
-        found = conclude(family, stated=stated, sampling=sampling, **how)
+        found = conclude(family, priors=priors, sampling=sampling, **how)
     inherited = {field.name: getattr(found, field.name) for field in fields(found)}
     length = math.nan if radius is None else float(units.number("radius", radius, "m"))
     facts = {"record": record, "tip": shape, "radius": length, "poisson": poisson, "candidates": ()}

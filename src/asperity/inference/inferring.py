@@ -23,10 +23,10 @@ from asperity.inference.concluding import Sampling, conclude
 from asperity.inference.found import Inference
 from asperity.inference.indented import of_record
 from asperity.inference.indenting import Indentation
-from asperity.inference.models import CREEP, MOST_BRANCHES, OF_BALL, OF_BRANCHES, Model, of_name
+from asperity.inference.models import CREEP, MOST_BRANCHES, OF_BALL, OF_BRANCHES, of_name
 from asperity.inference.priors import Given
 from asperity.inference.problem import Problem
-from asperity.inference.rivals import Plan, Rival, drift_in
+from asperity.inference.rivals import Plan, drift_in
 from asperity.inference.sampling import libraries
 from asperity.progress import Progress, listener
 from asperity.results import Checkpoint
@@ -148,10 +148,9 @@ def infer(
     if callable(model) and workers > 1:
         _check_importable(model)
     model_of = functools.partial(of_name, time=t, value=v, ramp=loading, quantity=quantity)
-    model_with_priors = functools.partial(model_of, model, priors=ranges, absolute=absolute)
     least = max([branches or 1, *(int(key[-1]) for key in ranges if _NUMBERED.fullmatch(key))])
     most = MOST_BRANCHES if branches is None and model in OF_BRANCHES else least
-    model_with_priors(branches=least)  # mistakes in priors first
+    model_of(model, priors=ranges, absolute=absolute, branches=least)  # mistakes in priors first
 
     def plan(name: object, branches: int, *, chosen: bool) -> Plan:
         """A model with default priors, for errors and comparisons without those of the user."""
@@ -161,10 +160,6 @@ def infer(
         words = counted(branches, "relaxation time") if name in OF_BRANCHES else made.name
         return words, branches * (name in OF_BRANCHES), problem
 
-    def stated(first: Rival) -> Model | None:
-        alone = not ranges or callable(model)
-        return None if alone else model_with_priors(branches=first.times or least)
-
     family = [plan(model, n, chosen=True) for n in range(least, most + 1)]
     tried = [("relaxation", n) for n in range(1, MOST_BRANCHES + 1)] + [(name, 1) for name in CREEP[1:]]
     taken = [("relaxation" if model == "ball" else model, n) for n in range(least, most + 1)]
@@ -173,7 +168,8 @@ def infer(
     others = [plan(*key, chosen=False) for key in tried if creeps and key not in taken]
     with listener(progress) as listening:
         how: Any = {"seed": seed, "quantity": measured, "listening": listening}
-        found = conclude(family, others, stated=stated, sampling=sampling, **how)
+        how["priors"] = None if callable(model) else ranges
+        found = conclude(family, others, sampling=sampling, **how)
     remarks += drift_in(found.rivals[0], float(t[-1]), found.model.curve) if creeps else []
     return replace(found, remarks=(*remarks, *found.remarks))
 
