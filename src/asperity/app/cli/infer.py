@@ -260,6 +260,11 @@ def _measurements(file: Path, how: dict[str, Any], model: str, quantity: str | N
     from asperity.fits import read_measurements
     from asperity.inference.indenting import is_record
 
+    asked = {name: how[name] for name in ("columns", "time", "value")}
+    if model == "ball" and not any(asked.values()) and is_record(file):
+        expected = "the radius of the ball, for a record of depth and force"
+        advice = "--columns TIME DEPTH, for depths under a constant load"
+        raise InputError("--radius", expected=expected, got="none", cure={"radius": "10um"}, advice=advice)
     wanted: Any = {
         "ball": quantity or ("depth", "radius", "area"),
         "healing": ("friction", "area"),
@@ -268,11 +273,6 @@ def _measurements(file: Path, how: dict[str, Any], model: str, quantity: str | N
     try:
         return read_measurements(file, wanted, **how)
     except InputError as mistake:
-        unclear = mistake.cure.keys() & {"columns", "quantity"} or model == "ball"
-        if model in ("ball", "relaxation") and unclear and is_record(file):
-            words, cure = "the radius of the ball, for a record of depth and force", {"radius": "10um"}
-            cure = cure if model == "ball" else {"model": "ball"} | cure
-            raise InputError("--radius", expected=words, got="none", cure=cure) from None
         if "quantity" not in mistake.cure:
             raise
         of = {"force": "held", "friction": "healing", "area": "relaxation"}
