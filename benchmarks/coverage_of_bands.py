@@ -189,7 +189,7 @@ def ball(cases: int) -> Floats:
     """Print how often 95 % intervals hold the parameters of a ball, of one branch, that were drawn."""
     time = np.geomspace(1, 1e4, 15)
     flat = np.ones_like(time)
-    made = of_name("ball", time, flat, priors=PRIORS, branches=1, absolute=False, quantity="depth")
+    made = of_name("ball", time, flat, priors=PRIORS, quantity="depth")
     problem = Problem(time, flat, 0.01 * flat, made)
     random = np.random.default_rng(5)
     ranks = []

@@ -88,6 +88,21 @@ def test_a_drift_is_subtracted():
     assert found.verdicts["modulus"].value == pytest.approx(TRUE["modulus"], rel=0.01)
 
 
+def test_creep_that_is_steady_at_the_end_of_a_hold_may_be_a_drift():
+    slow = asp.relaxation.PronySeries(TRUE["modulus"], ((0.3, 50.0),))
+    force = asp.theory.ting(TIME, DEPTH, slow, RADIUS)
+    found = inferred(TIME, DEPTH, force=noisy(7, part=1e-4, force=force), branches=1, **BALL)
+    assert any("drift of the instrument" in remark for remark in found.remarks)
+    still = inferred(TIME, DEPTH, force=noisy(7, part=1e-4), branches=1, **BALL)
+    assert not any("drift" in remark or "misses" in remark for remark in still.remarks)
+
+
+def test_another_shape_misses_the_record_with_a_remark():
+    record = Indentation.of(TIME[::4], DEPTH[::4], noisy(8, part=1e-3)[::4])
+    found = inferred(record, model="cone", angle=70, branches=1)
+    assert any("misses the data" in remark for remark in found.remarks)
+
+
 def table(path, **columns):
     np.savetxt(
         path, np.column_stack([*columns.values()]), delimiter=",", header=",".join(columns), comments=""
@@ -157,6 +172,8 @@ def test_what_is_no_record_is_refused():
         inferred(TIME, DEPTH, force=FORCE, ramp=1.0, **BALL)
     with refuses("radius", got="'10 um'"):
         inferred([1.0, 2.0, 3.0], [1.0, 2.0, 3.0], **BALL)
+    with refuses("branches", got="7"):
+        inferred(TIME, DEPTH, force=FORCE, branches=7, **BALL)
     with refuses("prior of weight", got="weight"):
         inferred(TIME, DEPTH, force=noisy(6), priors={"weight": (1, 2)}, branches=1, **BALL)
 

@@ -30,8 +30,7 @@ SMALL: dict[str, Any] = {"sample": True, "walkers": 100, "effective": 100}
 
 def curve(model, **parameters):
     """Growth at the times T."""
-    how: dict[str, Any] = {"priors": None, "branches": parameters.pop("branches", 1), "absolute": False}
-    made = of_name(model, T, np.ones_like(T), **how)
+    made = of_name(model, T, np.ones_like(T), branches=parameters.pop("branches", 1))
     return made.growth(T, {name: np.array([value]) for name, value in parameters.items()})[0]
 
 
@@ -61,7 +60,7 @@ def test_relaxation_is_the_creep_compliance_of_the_branches(branches):
 
 
 def test_a_ramp_gives_the_effective_load():
-    made = of_name("relaxation", T, T, priors=None, branches=1, absolute=False, ramp=0.8)
+    made = of_name("relaxation", T, T, ramp=0.8)
     values = {"scale": np.ones(1), "share_1": np.array([0.4]), "time_1": np.array([2.0])}
     series, knots = asp.relaxation.PronySeries(1.0, ((0.4, 2.0),)), np.concatenate([[0.0, 0.8], T])
     expected = series.effective_load(knots, np.minimum(knots / 0.8, 1))[2:]
@@ -77,7 +76,7 @@ def test_lattice_eyring_and_healing_are_their_theories():
     stress, rate, length, load = 2e7, 1e-15, 1e-6, 5.0
     pressure = stress * math.log(2 * length / (rate * T[0]))
     theory = asp.theory.flowing_area(T, load=load, area=load / pressure, at=T[0], stress=stress)
-    made = of_name("eyring", T, T, priors=None, branches=1, absolute=True)
+    made = of_name("eyring", T, T, absolute=True)
     values = {"load": load, "stress": stress, "rate": rate, "length": length}
     found = made.curve(T, {name: np.array([value]) for name, value in values.items()})
     np.testing.assert_allclose(found[0], theory, rtol=1e-12)
@@ -177,7 +176,7 @@ SBC: dict[str, Any] = {
 def ranks_of(model, count, walkers, steps):
     """Ranks of parameters that were drawn from the prior, among draws of the posterior of their curves."""
     time, ranks = np.geomspace(1, 1e4, 15), []
-    made = of_name(model, time, np.ones_like(time), priors=SBC[model], branches=1, absolute=False)
+    made = of_name(model, time, np.ones_like(time), priors=SBC[model])
     error = np.full(time.size, 0.002 if model == "healing" else 0.01)
     problem = Problem(time, np.ones_like(time), error, made)
     random = np.random.default_rng(5)
@@ -226,7 +225,7 @@ COVERED: dict[str, dict[str, float]] = {
 def test_intervals_by_least_squares_hold_what_they_promise(model, rho):
     """Errors of 60 points are not given; their neighbors may correlate. CURVES=500 has narrow bounds."""
     curves, time, truth = int(os.environ.get("CURVES", "20")), np.geomspace(1, 1e4, 60), COVERED[model]
-    how: dict[str, Any] = {"priors": None, "branches": 2 if "time_2" in truth else 1, "absolute": False}
+    how: dict[str, Any] = {"branches": 2 if "time_2" in truth else 1}
     how["quantity"] = "depth" if model == "ball" else None
     made = of_name(model, time, np.ones(60), **how)
     exact = made.curve(time, {name: np.array([truth.get(name, 1.0)]) for name in made.priors})[0]
@@ -276,7 +275,7 @@ def test_ensembles_are_the_same_from_a_checkpoint_and_in_processes(tmp_path, mon
 
 def test_a_checkpoint_of_the_last_round_has_the_draws_and_a_damaged_one_is_refused(tmp_path):
     value, place = noisy(curve("power", exponent=0.3, time=1e4)), tmp_path / "new" / "place"
-    made = of_name("power", T, value, priors=None, branches=1, absolute=False)
+    made = of_name("power", T, value)
     how: dict[str, Any] = {"seed": 0, "walkers": 50, "effective": 50, "agreement": 1.2, "checkpoint": place}
     problem = Problem(T, value, np.full(T.size, 0.02), made)
     first = sample(problem, **how)
@@ -411,7 +410,7 @@ def test_what_is_known_of_a_parameter_makes_no_errors(monkeypatch):
 
 def test_what_is_known_of_a_parameter_that_the_curve_does_not_contain_is_no_misfit():
     known: dict[str, Any] = {"load": {"kind": "normal", "mean": 1, "deviation": 1e-3}}
-    made = of_name("relaxation", T, T, priors=known, branches=1, absolute=False)
+    made = of_name("relaxation", T, T, priors=known)
     problem = Problem(T, np.ones_like(T), np.ones_like(T), made)
     z = problem.of_prior(np.random.default_rng(0), 1)
     other = np.where(np.array(list(made.priors)) == "load", 3.0, z)
@@ -439,7 +438,7 @@ def test_errors_found_hold_what_they_promise_where_neighbors_correlate(rho):
     """Linear estimates of two known branches from 150 curves of 40 points: 95 % intervals hold the truth."""
     time, count = np.geomspace(1, 1e4, 40), 150
     exact = asp.relaxation.PronySeries(1.0, ((0.2, 10.0), (0.25, 800.0))).compliance_at(time)
-    made = of_name("relaxation", time, exact, priors=None, branches=2, absolute=False)
+    made = of_name("relaxation", time, exact, branches=2)
     problem = Problem(time, exact, exact, made)
     _, z = leastsquares.best_fit(problem)
     assert np.abs(problem.misfit(z[np.newaxis])).max() < 1e-6
@@ -462,7 +461,7 @@ def test_the_most_relaxation_times_tried_are_remarked_where_more_would_fit_bette
     value = noisy(exact, 1e-3)
 
     def plan(name, branches):
-        made = of_name(name, T, value, priors=None, branches=branches, absolute=False)
+        made = of_name(name, T, value, branches=branches)
         words, times = (f"{branches} relaxation times", branches) if name == "relaxation" else (name, 0)
         return words, times, Problem(T, value, value, made, informed=False)
 
@@ -483,7 +482,7 @@ def test_the_most_relaxation_times_tried_are_remarked_where_more_would_fit_bette
     ],
 )
 def test_the_solid_creeps_as_the_curve(model, values, rtol):
-    made = of_name(model, T, T, priors=None, branches=2, absolute=False)
+    made = of_name(model, T, T, branches=2)
     assert made.solid is not None
     section: dict[str, Any] = made.solid({"modulus": 1e9, **values})
     branches = tuple((share, float(time.removesuffix(" s"))) for share, time in section["branches"])
@@ -563,24 +562,6 @@ def test_a_drift_is_remarked_as_it_may_be_a_fluid(rate):
     assert any("drift" in remark for remark in found.remarks) == bool(rate)
 
 
-def test_an_inference_of_minutes_says_so(monkeypatch):
-    stages: list[str] = []
-
-    class Listener(asp.progress.Progress):
-        def stage(self, name, times=()):
-            stages.append(name)
-
-    monkeypatch.setattr(concluding, "_OF_PROFILES", 10**8)
-    asp.infer(
-        T,
-        noisy(line(T, 1.2, 0.1)),
-        model=line,
-        priors={"scale": (1, 2), "slope": (0.01, 1)},
-        progress=Listener(),
-    )
-    assert re.fullmatch(r"fitting models side by side, about \d+ min", stages[0])
-
-
 BALL: dict[str, float] = {"load": 1e-7, "radius": 5e-6, "modulus": 3e6, "share_1": 0.4, "time_1": 20.0}
 
 
@@ -598,7 +579,7 @@ def held_ball(quantity):
 
 @pytest.mark.parametrize("quantity", ["depth", "radius", "area"])
 def test_a_ball_under_a_held_load_follows_a_power_of_the_compliance(quantity):
-    made = of_name("ball", T, T, priors=None, branches=1, absolute=True, quantity=quantity)
+    made = of_name("ball", T, T, absolute=True, quantity=quantity)
     found = made.curve(T, {name: np.array([value]) for name, value in BALL.items()})
     np.testing.assert_allclose(found[0], held_ball(quantity), rtol=1e-12)
 
@@ -695,7 +676,7 @@ def test_priors_that_exclude_the_data_are_refused_and_ensembles_that_disagree_to
         asp.infer(T, value, error, priors={"time_1": (1e-1, 1.0)}, branches=1)
     with refuses("priors", "3.51"):
         asp.infer(T, value, priors={"time_1": (1e-1, 1.0)}, branches=1)
-    made = of_name("relaxation", T, value, priors=None, branches=2, absolute=False)
+    made = of_name("relaxation", T, value, branches=2)
     monkeypatch.setattr(sampling, "_MOST_ROUNDS", 6)
     how: dict[str, Any] = {"seed": 0, "walkers": 20, "effective": 10**6, "checkpoint": tmp_path / "place"}
     rounds: list[str] = []

@@ -171,7 +171,7 @@ def test_a_file_that_is_no_checkpoint_is_refused(here):
 
 def infer(place):
     error = np.full(TIMES.size, 0.02)
-    made = of_name("power", TIMES, TIMES**0.1, priors=None, branches=1, absolute=False)
+    made = of_name("power", TIMES, TIMES**0.1)
     how: dict[str, Any] = {"seed": 0, "walkers": 50, "effective": 50, "agreement": 1.2}
     return sample(Problem(TIMES, TIMES**0.1, error, made), **how, checkpoint=place).z
 

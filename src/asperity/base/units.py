@@ -50,6 +50,7 @@ _EXAMPLES = {
     "m": ("a length", "2 um"),
     "s": ("a time", "10 s"),
     "m/s": ("a velocity", "1 um/s"),
+    "1": ("a part", "1 %"),
     "Hz": ("a frequency", "10 Hz"),
     "rad/s": ("an angular frequency", "60 rad/s"),
     "m^3": ("a volume", "1 nm^3"),

@@ -31,6 +31,8 @@ _EXPECTED = {
     "s": ("in a unit such as s or min", "a header such as time_s"),
     "m^2": ("in a unit such as um^2, or as a fraction", "a header such as area_um2, or contact_fraction"),
     "1": ("without a unit, as the run has none", "a header such as time, area, or contact_fraction"),
+    "m": ("in a unit such as nm", "a header such as depth_nm"),
+    "N": ("in a unit such as nN", "a header such as force_nN"),
 }
 Quantity = Literal["area", "friction", "depth", "radius", "force"]
 """What a table may be read for."""
@@ -99,6 +101,22 @@ class Measurements(views.Brief):
     time_unit: str = ""
     value_unit: str = ""
     source: str = ""
+
+    def in_units(self, time: str, value: str, names: tuple[str, str]) -> Measurements:
+        """The same in other units; `InputError`, with the name of those, if they do not convert."""
+        factors = []
+        of_both = (("times", self.time_unit, time), ("values", self.value_unit, value))
+        for name, (quantity, unit, target) in zip(names, of_both, strict=True):
+            written = units.spelled(unit or "1") or ""
+            factor = 1.0 if written == target else units.factor(written, target)
+            if factor is None:
+                expected, advice = _EXPECTED[target]
+                raise InputError(name, expected=f"{quantity} {expected}", got=unit or "none", advice=advice)
+            factors.append(factor)
+        by, up = factors
+        stderr = None if self.stderr is None else up * self.stderr
+        numbers: dict[str, Any] = {"time": by * self.time, "value": up * self.value, "stderr": stderr}
+        return replace(self, **numbers, time_unit=time, value_unit=value)
 
 
 def read_measurements(
@@ -205,30 +223,19 @@ def measured_area(source: Path | str | Measurements, nominal: float, *, si: bool
         source = read_measurements(source, "area", stderr=errors)
     time, value = ("s", "m^2") if si else ("1", "1")
     called = normal(f"{source.value_name} {source.value_unit}")
-    of_values = source.value_unit or "%" * bool(re.search(_IN_PERCENT, called))
     is_part = re.search(_OF_WHOLE, called)
-    factors = []
-    for quantity, unit, target in (
-        ("times", source.time_unit, time),
-        ("values", of_values, "1" if is_part else value),
-    ):
-        written = units.spelled(unit or "1") or ""
-        factor = 1.0 if written == target else units.factor(written, target)
-        if factor is None:
-            expected, advice = _EXPECTED[value if quantity == "values" else target]
-            raise InputError(name, expected=f"{quantity} {expected}", got=unit or "none", advice=advice)
-        factors.append(factor)
+    if not source.value_unit and re.search(_IN_PERCENT, called):
+        source = replace(source, value_unit="%")
+    found = source.in_units(time, "1" if is_part else value, (name, name))
     if is_part:
-        if (largest := factors[1] * float(source.value.max())) > 1:
+        if (largest := float(found.value.max())) > 1:
             expected = "fractions of the nominal area, up to 1"
             raise InputError(
                 name, expected=expected, got=f"{largest:g}", advice="a header such as area_percent"
             )
-        factors[1] *= nominal
-    by, up = factors
-    stderr = None if source.stderr is None else up * source.stderr
-    numbers: dict[str, Any] = {"time": by * source.time, "value": up * source.value, "stderr": stderr}
-    return replace(source, **numbers, time_unit=time, value_unit=value)
+        stderr = None if found.stderr is None else nominal * found.stderr
+        found = replace(found, value=nominal * found.value, stderr=stderr, value_unit=value)
+    return found
 
 
 def errors_beside(names: Sequence[str], advice: str = "one such name in the header") -> str | None:
@@ -252,7 +259,7 @@ def _time(columns: Columns, first: int) -> int:
 def _value(columns: Columns, time: int, taken: set[int], quantities: Sequence[str]) -> int:
     """Column of the values: that with name or unit of a quantity, or the first one that is not taken."""
     others = [at for at in columns.chosen if at not in taken and columns.roles[at] not in ("time", "stderr")]
-    what, cure = " or ".join(quantities), dict[str, Value](columns=f"{time} VALUE")
+    what, cure = " or ".join(quantities), dict[str, Value]()
     if not any(columns.table.names):
         return _only(columns, others[:1], what, cure)
     wanted = {_OF_VALUES[name].unit for name in quantities}
@@ -263,8 +270,8 @@ def _value(columns: Columns, time: int, taken: set[int], quantities: Sequence[st
     known = [columns.roles[at] for at in others if columns.roles[at] in _OF_VALUES and not named]
     if len(known) == 1 and set(quantities) < set(QUANTITIES[:-1]):
         cure = {"quantity": known[0]}
-    elif not {"", *wanted}.intersection(kinds.values()):
-        cure = {}
+    elif possible := [at for at in others if kinds[at] in {"", *wanted}]:
+        cure = {"columns": f"{time} {possible[0]}"}
     return _only(columns, called if len(called) == 1 else named or unnamed, what, cure)
 
 

@@ -38,12 +38,11 @@ class Misfit:
     law: Law
     series: Series
     initial_known: bool
-    K_known: bool = False
 
     @property
-    def weight(self) -> Floats | float:
-        """Inverse standard errors."""
-        return 1.0 if self.series.stderr is None else 1 / self.series.stderr
+    def weight(self) -> Floats:
+        """Inverse standard errors; 1 if these are not known."""
+        return np.ones_like(self.series.y) if self.series.stderr is None else 1 / self.series.stderr
 
     def residual(self, theta: Floats) -> Floats:
         """Law less data."""
@@ -55,7 +54,7 @@ class Misfit:
         columns = self.law(theta, self.series.x)[1]
         if not self.initial_known:
             columns = np.column_stack([columns, np.ones_like(self.series.x)])
-        return columns if self.series.stderr is None else columns / self.series.stderr[:, None]
+        return np.asarray(columns * self.weight[:, None])
 
     def cost(self, theta: Floats) -> float:
         """Sum of squares."""
@@ -63,11 +62,8 @@ class Misfit:
 
     def completed(self, shape: Floats) -> Floats | None:
         """Complete a start, with K = 1, by the best K and A(0); None unless these are above 0."""
-        if self.K_known:
-            return shape
         growth = self.law(shape, self.series.x)[0] * self.weight
-        ones = np.ones_like(self.series.x) * self.weight
-        y = self.series.y * self.weight
+        ones, y = self.weight, self.series.y * self.weight
         if self.initial_known:
             K = float(growth @ (y - ones)) / float(growth @ growth)
             return np.concatenate([[np.log(K)], shape[1:]]) if K > 0 else None
@@ -138,11 +134,12 @@ def fit_law(
     if not K_known:
         logs = [SLOPE_RANGE, *logs]
     bounds = np.concatenate([np.log(logs), [INITIAL_RANGE] if not curve.initial_known else np.empty((0, 2))])
-    whole = Misfit(law, curve.points, curve.initial_known, K_known)
+    whole = Misfit(law, curve.points, curve.initial_known)
     # A law is smooth: means over bins of many points have the same minimum but for the last digits.
     many = curve.points.x.size > MANY
-    rough = Misfit(law, curve.points.binned(), curve.initial_known, K_known) if many else whole
-    starts = [start for shape in shapes if (start := rough.completed(shape)) is not None]
+    rough = Misfit(law, curve.points.binned(), curve.initial_known) if many else whole
+    completed = shapes if K_known else map(rough.completed, shapes)
+    starts = [start for start in completed if start is not None]
     if not starts:
         raise InputError("area", expected="an area that grows with time", got="no growing law near the data")
     starts.sort(key=rough.cost)

@@ -3,32 +3,29 @@
 from __future__ import annotations
 
 import math
-import time as clock
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import chi2
 
 from asperity.base.checks import Floats
-from asperity.base.words import to_digits
 from asperity.errors import ConvergenceError, InputError
-from asperity.fits.comparison import neighbors
 from asperity.fits.result import rms, student
 from asperity.inference.found import Inference
-from asperity.inference.leastsquares import Profile, best_fit, drawn, least, profiles
-from asperity.inference.models import MOST_BRANCHES, Model
+from asperity.inference.leastsquares import best_fit, drawn, least, profiles
+from asperity.inference.models import MOST_BRANCHES
+from asperity.inference.priors import Given
 from asperity.inference.problem import Problem
 from asperity.inference.rivals import ACCEPTED, CORRELATED, LEAST_ERROR, Plan, Rival, side_by_side, with_draws
-from asperity.inference.sampling import Draws, sample
+from asperity.inference.sampling import ENSEMBLES, Draws, sample
 from asperity.inference.verdicts import Posterior
 from asperity.progress import Progress
 from asperity.results import Checkpoint
 
-_MISFIT, _MUCH_BETTER = 1e-3, 50.0
-"""Probability of a misfit below which it is remarked; gain in chi-squared above which priors are refused."""
+_MUCH_BETTER = 50.0
+"""Gain in chi-squared above which priors are refused."""
 
 _FALLS = 2.0
 """Least fall of AICc at the most branches for which more are likely."""
@@ -38,9 +35,6 @@ _NOTHING = 1e-300
 
 _DRAWS, _FEW = 512, 50
 """Draws along profiles, and number that they are worth below which it is remarked."""
-
-_TIMED, _OF_FITS, _OF_PROFILES, _OF_SAMPLES = 64, 8000, 10_000, 600
-"""Curves for an estimate of time, and usual numbers of them for a model, for profiles, and for a walker."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +51,7 @@ def conclude(
     family: Sequence[Plan],
     others: Sequence[Plan] = (),
     *,
-    stated: Callable[[Rival], Model | None] = lambda _: None,
+    priors: Mapping[str, Given] | None = None,
     sampling: Sampling | None = None,
     seed: int = 0,
     quantity: str = "area",
@@ -75,9 +69,8 @@ def conclude(
         shape of the noise, whose size and correlation are measured about the best fit.
     others
         Models for comparison.
-    stated
-        The chosen model with priors of the user in place of default ones, which fits and comparisons have;
-        None without any.
+    priors
+        Those of the user by parameter of the chosen model; fits and comparisons have the default ones.
     sampling
         To sample the posterior; by default profiles and curvature of least squares.
     seed
@@ -93,13 +86,18 @@ def conclude(
         The points are too few; the priors exclude the data; the ensembles do not agree.
     """
     say = (listening or Progress()).stage
-    plans = [*family, *others]
-    say(f"fitting models side by side{_duration(family[0][2], _OF_FITS * len(plans) + _OF_PROFILES)}")
+    say("fitting models side by side")
     rivals = side_by_side(family, others)
-    first, remarks = _judged(rivals, stated(rivals[0]))
+    first, remarks = _judged(rivals, priors)
     say("following the profile of each parameter")
     best, followed = profiles(first.problem, first.at)
-    draws = _drawn(first.problem, followed, seed, sampling, say)
+    if sampling is None:
+        z, worth = drawn(first.problem, followed, _DRAWS, seed)
+        draws = Draws(z[np.newaxis], math.nan, worth)
+    else:
+        count = f"{ENSEMBLES * sampling.walkers:,} walkers"
+        say(f"sampling {len(followed)} parameters of {first.problem.model.name}, {count}")
+        draws = sample(first.problem, seed=seed, report=say, **vars(sampling))
     first = replace(first, at=best, z=draws.flat)
 
     def drawn_of(problem: Problem, at: Floats) -> Floats | None:
@@ -138,38 +136,11 @@ def conclude(
     )
 
 
-def _duration(problem: Problem, curves: float) -> str:
-    """About how long it takes to compute so many curves; empty below a minute."""
-    z = problem.of_prior(np.random.default_rng(0), _TIMED)
-    begun = clock.perf_counter()
-    problem.misfit(z)
-    minutes = (clock.perf_counter() - begun) * curves / _TIMED / 60
-    return f", about {to_digits(minutes, 1)} min" if minutes > 1 else ""
-
-
-def _drawn(
-    problem: Problem,
-    followed: Mapping[int, Profile],
-    seed: int,
-    sampling: Sampling | None,
-    say: Callable[[str], object],
-) -> Draws:
-    """Samples of the posterior, or draws along profiles."""
-    if sampling is None:
-        z, worth = drawn(problem, followed, _DRAWS, seed)
-        return Draws(z[np.newaxis], math.nan, worth)
-    count = 4 * sampling.walkers
-    lasts = _duration(problem, _OF_SAMPLES * count / sampling.workers)
-    say(f"sampling {len(problem.used)} parameters of {problem.model.name}, {count:,} walkers{lasts}")
-    return sample(problem, seed=seed, report=say, **vars(sampling))
-
-
-def _judged(rivals: list[Rival], stated: Model | None) -> tuple[Rival, list[str]]:
+def _judged(rivals: list[Rival], priors: Mapping[str, Given] | None) -> tuple[Rival, list[str]]:
     """The chosen model, with errors and with the priors of the user, if there are any; remarks."""
     first, remarks = rivals[0], list[str]()
-    problem, at, misfit, n = first.problem, first.at, first.misfit, first.misfit.size
-    informed = problem.informed
-    free = max(n - problem.rank, 1)
+    problem, at, n = first.problem, first.at, first.misfit.size
+    error = problem.error
     best = min(rivals, key=lambda rival: rival.aicc)
     fewer = [rival for rival in rivals if rival.times == first.times - 1]
     if first.times == MOST_BRANCHES and fewer and first.aicc < fewer[0].aicc - _FALLS:
@@ -185,43 +156,38 @@ def _judged(rivals: list[Rival], stated: Model | None) -> tuple[Rival, list[str]
         remarks.append(f"of {n} points three cannot be held out: no model was tested by prediction")
     if not math.isfinite(best.aicc):
         remarks.append(f"{n} points are too few for AICc: nothing chooses between the models")
-    if not informed:
-        scatter, rho = problem.scatter(at)
+    if not problem.informed:
+        scatter, rho = first.scatter
         # For few points Student's t widens the intervals.
-        scatter *= student(free) / student(math.inf)
+        scatter *= student(max(n - problem.rank, 1)) / student(math.inf)
         counted = max(1.0, n * min(1.0, (1 - rho) / (1 + rho)))
-        noise = rho <= CORRELATED  # else the model misses; its errors are those of means
-        wide = 1.0 if noise else math.sqrt((1 + rho) / (1 - rho))
+        # If the model misses, its errors are those of means.
+        wide, rho_left = (math.sqrt((1 + rho) / (1 - rho)), 0.0) if rho > CORRELATED else (1.0, rho)
         error = max(scatter, LEAST_ERROR) * problem.error
         size = 100 * np.median(error / np.maximum(np.abs(problem.value), _NOTHING))
-        misfit = misfit * problem.error / error
-        problem = replace(
-            problem, error=wide * error, rho=rho if noise else 0.0, counted=counted, informed=True
-        )
         remarks.append(
             f"no errors were given: they are taken as {size:.2g} % of the values, by the median, from the "
             f"scatter about the best fit, whose neighbors correlate by {rho:.2f}; so {n} points count as "
             f"{counted:.0f}"
         )
+        problem = replace(problem, error=wide * error, rho=rho_left, counted=counted, informed=True)
     before, at = best_fit(problem, at[np.newaxis])
-    if stated is not None:
-        default, problem = rms(misfit), replace(problem, model=stated)
+    if priors:
+        stated = problem.model.with_priors(priors)
+        problem = replace(problem, model=stated)
         after, at = best_fit(problem)
         misfit = problem.misfit(at[np.newaxis])[0]
         if after - before > _MUCH_BETTER:
             got = f"a best fit that misses by {rms(misfit):.3g} standard errors, rms"
             name, prior = [*stated.priors.items()][_tight(problem, at)]
+            default = rms(first.misfit) * float(first.problem.error[0] / error[0])
             advice = f"a wider one of {name} than {prior} (default ones miss by {default:.3g})"
             raise InputError("priors", expected="some that allow the data", got=got, advice=advice)
-
-    def fails(misfit: Floats) -> bool:
-        if informed:
-            return bool(chi2.sf(misfit @ misfit, free) < _MISFIT)
-        return neighbors(misfit)[0] > max(CORRELATED, 2 / math.sqrt(n))
-
-    if fails(misfit):
-        how = f"by {rms(misfit):.3g} standard errors, rms" if informed else "by more than a scatter"
-        others = ", and so does every model that was tried" if fails(best.misfit) else ""
+        first = replace(first, problem=replace(first.problem, model=stated), at=at, misfit=misfit)
+    if first.misses:
+        how = f"by {rms(first.misfit):.3g} standard errors, rms" * first.problem.informed
+        others = ", and so does every model that was tried" * best.misses
+        how = how or "by more than a scatter"
         remarks.append(f"the model misses the data {how}{others}: the verdicts hold for this model only")
     return replace(first, problem=problem, at=at), remarks
 

@@ -80,8 +80,7 @@ class Inference(views.Brief, views.Pictured):
         compared = self.models.itertuples(index=False)
         cells = [[str(name), *(to_digits(value, 3) for value in values)] for name, *values in compared]
         rows += table_rows("models", [[*self.models.columns], *cells])
-        findings = {f"{word[:1].upper()}{word[1:]}: {of}" for word, of in self.findings}
-        rows += [Row("", sentence) for sentence in self.sentences if sentence not in findings]
+        rows += [Row("", sentence) for sentence in (*self.told, *self.further)]
         rows += [Row(*finding) for finding in self.findings]
         if math.isfinite(self.problem.counted):
             count = f"{self.time.size} points as {to_digits(self.problem.counted, 2)}, as neighbors correlate"
@@ -119,7 +118,7 @@ class Inference(views.Brief, views.Pictured):
 
     @property
     def models(self) -> pd.DataFrame:
-        """Models side by side: AICc less the least, misfit of held-out points, growth beyond the last one.
+        """Models side by side: AICc less the least, misfit of the last fifth, held out, and growth beyond.
 
         NaN where the points are too few.
         """
@@ -129,7 +128,7 @@ class Inference(views.Brief, views.Pictured):
             now, *later = rival.band(last)[1]
             score = rival.aicc if math.isfinite(rival.aicc) else math.nan
             rows.append((rival.name, score, rival.missed, *(at / now for at in later)))
-        names = ["model", "AICc", "held-out points (errors)", "at 10 x last time", "at 1000 x last time"]
+        names = ["model", "AICc", "misfit of last fifth (errors)", "at 10 x last time", "at 1000 x last time"]
         return pd.DataFrame(rows, columns=names)
 
     @property
@@ -144,10 +143,20 @@ class Inference(views.Brief, views.Pictured):
         return [(word, ", ".join(names)) for word, names in by_verdict.items() if names]
 
     @property
+    def told(self) -> list[str]:
+        """Sentences on the range of the data, and on models that differ beyond."""
+        return parting(self.rivals)
+
+    @property
     def sentences(self) -> tuple[str, ...]:
         """Range of the model, findings, combinations, and recommended experiments."""
-        lines = parting(self.rivals)
-        lines += [f"{word[:1].upper()}{word[1:]}: {of}" for word, of in self.findings]
+        findings = (f"{word[:1].upper()}{word[1:]}: {of}" for word, of in self.findings)
+        return *self.told, *findings, *self.further
+
+    @property
+    def further(self) -> list[str]:
+        """Sentences on combinations, and on experiments that would narrow parameters, or would not."""
+        lines = []
         for combination in self.combinations:
             low, high = distinguishable(combination.low, combination.high)
             better = f"{combination.tighter:.2g} times better known than any of these alone"
@@ -164,7 +173,7 @@ class Inference(views.Brief, views.Pictured):
                 useless.append(experiment.name)
         if useless:
             lines.append(f"Measuring {', or '.join(useless)} would hardly help")
-        return tuple(lines)
+        return lines
 
     def predicted(self, time: ArrayLike) -> Floats:
         """The curve at any times: a 95 % band over all acceptable models, and the median of the first one.

@@ -16,13 +16,13 @@ from asperity.base import checks, units
 from asperity.base.checks import Floats
 from asperity.base.rows import Row
 from asperity.base.words import counted
-from asperity.errors import InputError
 from asperity.inference.concluding import Sampling, conclude
 from asperity.inference.found import Inference
 from asperity.inference.indenting import REACH, Indentation, noise
-from asperity.inference.models import MOST_BRANCHES, Model, Values, relaxation
+from asperity.inference.models import MOST_BRANCHES, Model, Values, branches_of, held, relaxed
 from asperity.inference.priors import Given, Prior
 from asperity.inference.problem import Problem
+from asperity.inference.rivals import drift_in
 from asperity.progress import Progress, listener
 from asperity.theory.indenters import SHAPES, Tip, forces, tip_of
 
@@ -69,7 +69,9 @@ class IndentedSolid(Inference):
             words = f"{best} % of the largest force (95 %: {low} to {high}), rms in contact"
             rows.append(Row("retraction off its prediction by", words, brief=True))
         if self.pull_off > 0:
-            rows.append(Row("pull-off force", self.pull_off, "N", note=self._jkr, digits=2))
+            work = self.pull_off / (1.5 * math.pi * self.radius)
+            note = f", by JKR (elastic) a work of adhesion of {work:.2g} J/m^2" * (self.tip.exponent == 1.5)
+            rows.append(Row("pull-off force", self.pull_off, "N", note=note, digits=2))
         return [*rows, *super().rows()]
 
     @property
@@ -78,19 +80,11 @@ class IndentedSolid(Inference):
         return "contact modulus E*" if self.poisson is None else "Young's modulus"
 
     @property
-    def _jkr(self) -> str:
-        """Work of adhesion by JKR."""
-        if self.tip.exponent != 1.5:
-            return ""
-        work = self.pull_off / (1.5 * math.pi * self.radius)
-        return f", by JKR (elastic) a work of adhesion of {work:.2g} J/m^2"
-
-    @property
-    def sentences(self) -> tuple[str, ...]:
-        """Times that the record determines, and findings."""
+    def told(self) -> list[str]:
+        """The times that the record determines, and models that differ beyond."""
         first, last = self.record.span
         told = f"The record determines the solid from {first:.3g} to {last:.3g} s after a load"
-        return (told, *super().sentences[1:])
+        return [told, *super().told[1:]]
 
     def modulus_at(self, time: ArrayLike) -> Floats:
         """Relaxation modulus (Young's if Poisson's ratio is known, else E*), Pa, shape (3, n): 95 % band.
@@ -100,7 +94,7 @@ class IndentedSolid(Inference):
         """
         t = np.atleast_1d(checks.not_negative("time", time))
         drawn = self.problem.values(self.draws.flat)
-        curves = self._young * drawn["modulus"][:, None] * _relaxation(t, drawn)
+        curves = self._young * drawn["modulus"][:, None] * relaxed(t, drawn)
         return np.quantile(curves, (0.025, 0.5, 0.975), axis=0)
 
     @property
@@ -108,29 +102,30 @@ class IndentedSolid(Inference):
         return 1.0 if self.poisson is None else 1 - self.poisson**2
 
     @functools.cached_property
-    def _best_and_drawn(self) -> tuple[dict[str, Floats], dict[str, Floats]]:
-        """Parameters of the best fit, and of draws."""
-        flat = self.draws.flat
-        some = flat[np.linspace(0, len(flat) - 1, _DRAWN).astype(int)]
-        return self.problem.values(self.rivals[0].at[np.newaxis]), self.problem.values(some)
-
-    @functools.cached_property
-    def forces(self) -> pd.DataFrame:
-        """Measured and predicted forces of the whole record, N: best fit, and 95 % band.
+    def _predicted(self) -> tuple[Indentation, Floats]:
+        """The record as means of neighbors, and its forces: of the best fit, then of draws.
 
         The solid is of the approach and the hold alone: the retraction is predicted. To this the force out of
         contact after it is added, since the drag of a liquid changes its sign with the velocity.
         """
         record, _ = self.record.thinned(3 * _MOST)
+        flat = self.draws.flat
+        some = flat[np.linspace(0, len(flat) - 1, _DRAWN).astype(int)]
         drag = np.where(np.arange(record.time.size) > record.last, self._rest_after or 0.0, 0.0)
-        whole = [_force(p, record, self.tip) + drag for p in self._best_and_drawn]
-        low, high = np.quantile(whole[1], (0.025, 0.975), axis=0)
+        every = self.problem.values(np.vstack([self.rivals[0].at, some]))
+        return record, _force(every, record, self.tip) + drag
+
+    @property
+    def forces(self) -> pd.DataFrame:
+        """Measured and predicted forces of the whole record, N: best fit, and 95 % band."""
+        record, (best, *drawn) = self._predicted
+        low, high = np.quantile(drawn, (0.025, 0.975), axis=0)
         names = [name for name, *_ in record.segments]
         starts = np.array([first for _, first, _ in record.segments])
         part = np.searchsorted(starts, np.arange(record.time.size), "right")
         table = {"segment": [("before", *names)[at] for at in part]}
         columns = {"time_s": record.time, "depth_m": record.depth, "force_N": record.force}
-        columns |= {"predicted_N": whole[0][0], "predicted_N_low": low, "predicted_N_high": high}
+        columns |= {"predicted_N": best, "predicted_N_low": low, "predicted_N_high": high}
         return pd.DataFrame(table | columns)
 
     @functools.cached_property
@@ -139,13 +134,10 @@ class IndentedSolid(Inference):
 
         Of the best fit, and the ends of its 95 % interval; NaN without a retraction.
         """
-        record, _ = self.record.thinned(3 * _MOST)
-        after, rest = slice(record.last + 1, None), self._rest_after or 0.0
-        measured = record.force[after]
-        predicted = (
-            np.concatenate([_force(p, record, self.tip)[:, after] for p in self._best_and_drawn]) + rest
-        )
-        touching = np.maximum(measured, predicted) - rest > _TOUCHING * self.record.largest
+        record, forces = self._predicted
+        measured, predicted = record.force[record.last + 1 :], forces[:, record.last + 1 :]
+        above = np.maximum(measured, predicted) - (self._rest_after or 0.0)
+        touching = above > _TOUCHING * self.record.largest
         if touching[0].sum() < 3:
             return math.nan, math.nan, math.nan
         squares = np.where(touching, (measured - predicted) ** 2, 0.0).sum(-1) / touching.sum(-1)
@@ -189,6 +181,8 @@ class IndentedSolid(Inference):
                 "the record begins in contact: its first depth is taken as reached at once, "
                 f"{'at time 0' if self.record.time[0] > 0 else 'at its first time'}"
             )
+        if self.record.held < self.record.last:
+            remarks += drift_in(self.rivals[0], self.record.span[1], lambda t, p: 1 / relaxed(t, p), largest)
         return replace(self, remarks=(*self.remarks, *remarks))
 
     def solid(self) -> dict[str, object]:
@@ -234,36 +228,22 @@ def of_record(
         problem = Problem(few.time[rows], few.force[rows], error, model, informed=False)
         family.append((counted(n, "relaxation time"), n, problem))
 
-    def stated(first: Any) -> Model | None:
-        return _with_priors(first.problem.model, priors) if priors else None
-
     with listener(progress) as listening:
         how: Any = {"seed": seed, "quantity": "force", "unit": "N", "listening": listening}
-        found = conclude(family, stated=stated, sampling=sampling, **how)
+        found = conclude(family, priors=priors, sampling=sampling, **how)
     inherited = {field.name: getattr(found, field.name) for field in fields(found)}
     length = math.nan if radius is None else float(units.number("radius", radius, "m"))
     facts = {"record": record, "tip": shape, "radius": length, "poisson": poisson, "candidates": ()}
     return IndentedSolid(**inherited | facts).remarked()
 
 
-def _with_priors(model: Model, priors: Mapping[str, Given]) -> Model:
-    if unknown := [name for name in priors if name not in model.priors]:
-        expected = f"a parameter: {', '.join(model.priors)}"
-        raise InputError(f"prior of {unknown[0]}", expected=expected, got=unknown[0])
-    ranges = {name: Prior.of(name, stated, model.priors[name].unit) for name, stated in priors.items()}
-    return replace(model, priors=model.priors | ranges)
-
-
 def _model(name: str, record: Indentation, tip: Tip, branches: int) -> Model:
     """Force of the approach and the hold; the depth stays at later times."""
-    first, last = record.span
-    creep = relaxation(first, last, branches)
-    priors = {"modulus": _modulus(record, tip)}
-    priors |= {name: prior for name, prior in creep.priors.items() if name.startswith(("share_", "time_"))}
-    faster = {
-        name: replace(prior, first=first / _FASTER) for name, prior in priors.items() if prior.unit == "s"
-    }
-    priors |= faster
+    creep = held(*record.span, branches)
+    priors = {"modulus": _modulus(record, tip)} | creep.priors
+    for key, prior in creep.priors.items():
+        if prior.unit == "s":
+            priors[key] = replace(prior, first=record.span[0] / _FASTER)
     if record.contact is None:
         reach = REACH * (record.depth[record.last] - record.reached)
         priors["contact"] = Prior("uniform", record.reached - reach, record.reached + reach, "m")
@@ -271,7 +251,7 @@ def _model(name: str, record: Indentation, tip: Tip, branches: int) -> Model:
     def curve(time: Floats, p: Values) -> Floats:
         return _force(p, record, tip, time)
 
-    return Model(name, curve, priors, excess=creep.excess, solid=creep.solid)
+    return replace(creep, name=name, growth=curve, priors=priors)
 
 
 def _modulus(record: Indentation, tip: Tip) -> Prior:
@@ -283,7 +263,7 @@ def _modulus(record: Indentation, tip: Tip) -> Prior:
 
 def _force(p: Values, record: Indentation, tip: Tip, time: Floats | None = None) -> Floats:
     """Force at the rows of a record, or at times before its retraction, with a depth that stays: (m, n)."""
-    shares, times = _branches(p)
+    shares, times = branches_of(p)
     every = np.column_stack([np.maximum(1 - shares.sum(-1), 0.0), shares])
     t, depth, last = record.time, record.depth, record.last
     if time is not None:
@@ -304,15 +284,3 @@ def _force(p: Values, record: Indentation, tip: Tip, time: Floats | None = None)
     if time is None or np.array_equal(time, t):
         return np.asarray(force)
     return np.array([np.interp(time, t, one) for one in force])
-
-
-def _branches(p: Values) -> tuple[Floats, Floats]:
-    """Shares and times, shape (m, branches)."""
-    named = [[x for name, x in p.items() if name.startswith(kind)] for kind in ("share_", "time_")]
-    return np.stack(named[0], -1), np.stack(named[1], -1)
-
-
-def _relaxation(time: Floats, p: Values) -> Floats:
-    """Relaxation over its first value, shape (m, n)."""
-    shares, times = _branches(p)
-    return np.asarray(1 + (shares[:, None] * np.expm1(-time[:, None] / times[:, None])).sum(-1))

@@ -23,10 +23,10 @@ from asperity.inference.concluding import Sampling, conclude
 from asperity.inference.found import Inference
 from asperity.inference.indented import of_record
 from asperity.inference.indenting import Indentation
-from asperity.inference.models import CREEP, MOST_BRANCHES, OF_BALL, OF_BRANCHES, Model, of_name
+from asperity.inference.models import CREEP, MOST_BRANCHES, OF_BALL, OF_BRANCHES, of_name
 from asperity.inference.priors import Given
 from asperity.inference.problem import Problem
-from asperity.inference.rivals import Plan, Rival, drift_in
+from asperity.inference.rivals import Plan, drift_in
 from asperity.inference.sampling import libraries
 from asperity.progress import Progress, listener
 from asperity.results import Checkpoint
@@ -43,7 +43,7 @@ _OF_INDENTERS = ("radius", "angle", "poisson", "contact", "drift")
 def infer(
     time: ArrayLike | Record | Indentation,
     area: ArrayLike | None = None,
-    error: ArrayLike | None = None,
+    error: ArrayLike | str | None = None,
     *,
     force: ArrayLike | None = None,
     model: str | Callable[..., ArrayLike] = "relaxation",
@@ -77,8 +77,8 @@ def infer(
         Areas, static friction or forces above 0, shape (n,), in any unit, such as A(t)/A(0), unless they
         are `absolute`. With a `force`, depths of an indenter, m, of any sign.
     error
-        Standard errors, one or shape (n,). By default the scatter about the best fit, whose neighbors
-        may correlate; see `asperity.inference.problem`.
+        Standard errors, one or shape (n,), or their part of the values, such as ``"1%"``. By default the
+        scatter about the best fit, whose neighbors may correlate; see `asperity.inference.problem`.
     force
         Forces on an indenter, N, shape (n,): its approach and hold make the solid, an `IndentedSolid`, and
         its retraction is predicted.
@@ -120,38 +120,37 @@ def infer(
     InputError, ConvergenceError
         The priors exclude the data; the ensembles do not agree.
     """
-    sampling = Sampling(walkers, effective, workers, checkpoint) if sample else None
+    many = checks.integer("walkers", walkers, least=50), checks.integer("effective", effective, least=1)
+    if branches is not None:
+        checks.integer("branches", branches, least=1, most=MOST_BRANCHES)
+    ranges = checks.instance("priors", {} if priors is None else priors, dict, "{'time_1': (1, 1e6)}")
+    seed, sampling = checks.seed(seed, rng), Sampling(*many, workers, checkpoint) if sample else None
     if sampling:
         libraries()
     if force is not None or isinstance(time, Indentation):
         _check_none(error=error, quantity=quantity, absolute=absolute, ramp=ramp)
+        if isinstance(time, Indentation):
+            _check_none(area=area, force=force, contact=contact, drift=drift)
+        else:
+            time = Indentation.of(time, area, force, contact=contact, drift=drift)  # type: ignore[arg-type]
         tip: dict[str, Any] = {"tip": model, "radius": radius, "angle": angle, "poisson": poisson}
-        tip |= {"priors": priors, "branches": branches, "sampling": sampling, "seed": checks.seed(seed, rng)}
-        return of_record(_indentation(time, area, force, contact, drift), **tip, progress=progress)
+        tip |= {"priors": ranges, "branches": branches, "sampling": sampling, "seed": seed}
+        return of_record(time, **tip, progress=progress)
     _check_none(radius=radius, angle=angle, poisson=poisson, contact=contact, drift=drift)
     loading = float(units.number("ramp", ramp, "s", least=0))
-    series, measured = _data(time, area, error, model, quantity)
+    series, measured = _data(time, area, error, model, quantity, loading)
     series, remarks = _some(series, _MOST_SAMPLED if sample else _MOST_POINTS)
     t, v, errors = series.x, series.y, series.stderr
-    if t[0] < loading:
-        raise InputError("time", expected=f"times after the ramp, from {loading:g} s on", got=float(t[0]))
     noise = _per_time(t, v) if model == "held" else v
-    seed = checks.seed(seed, rng)
-    checks.integer("walkers", walkers, least=50)
-    checks.integer("effective", effective, least=1)
-    if branches is not None:
-        checks.integer("branches", branches, least=1, most=MOST_BRANCHES)
-        if model not in OF_BRANCHES:
-            expected = "model 'relaxation', 'ball' or 'held' beside it"
-            raise InputError("branches", expected=expected, got=checks.shown(model))
+    if branches is not None and model not in OF_BRANCHES:
+        expected = "model 'relaxation', 'ball' or 'held' beside it"
+        raise InputError("branches", expected=expected, got=checks.shown(model))
     if callable(model) and workers > 1:
         _check_importable(model)
-    ranges = checks.instance("priors", {} if priors is None else priors, dict, "{'time_1': (1, 1e6)}")
     model_of = functools.partial(of_name, time=t, value=v, ramp=loading, quantity=quantity)
-    model_with_priors = functools.partial(model_of, model, priors=ranges, absolute=absolute)
     least = max([branches or 1, *(int(key[-1]) for key in ranges if _NUMBERED.fullmatch(key))])
     most = MOST_BRANCHES if branches is None and model in OF_BRANCHES else least
-    model_with_priors(branches=least)  # mistakes in priors first
+    model_of(model, priors=ranges, absolute=absolute, branches=least)  # mistakes in priors first
 
     def plan(name: object, branches: int, *, chosen: bool) -> Plan:
         """A model with default priors, for errors and comparisons without those of the user."""
@@ -161,10 +160,6 @@ def infer(
         words = counted(branches, "relaxation time") if name in OF_BRANCHES else made.name
         return words, branches * (name in OF_BRANCHES), problem
 
-    def stated(first: Rival) -> Model | None:
-        alone = not ranges or callable(model)
-        return None if alone else model_with_priors(branches=first.times or least)
-
     family = [plan(model, n, chosen=True) for n in range(least, most + 1)]
     tried = [("relaxation", n) for n in range(1, MOST_BRANCHES + 1)] + [(name, 1) for name in CREEP[1:]]
     taken = [("relaxation" if model == "ball" else model, n) for n in range(least, most + 1)]
@@ -173,13 +168,19 @@ def infer(
     others = [plan(*key, chosen=False) for key in tried if creeps and key not in taken]
     with listener(progress) as listening:
         how: Any = {"seed": seed, "quantity": measured, "listening": listening}
-        found = conclude(family, others, stated=stated, sampling=sampling, **how)
-    remarks += drift_in(found.rivals[0]) if creeps else []
+        how["priors"] = None if callable(model) else ranges
+        found = conclude(family, others, sampling=sampling, **how)
+    remarks += drift_in(found.rivals[0], float(t[-1]), found.model.curve) if creeps else []
     return replace(found, remarks=(*remarks, *found.remarks))
 
 
 def _data(
-    time: ArrayLike | Record, area: ArrayLike | None, error: ArrayLike | None, model: object, quantity: object
+    time: ArrayLike | Record,
+    area: ArrayLike | None,
+    error: ArrayLike | str | None,
+    model: object,
+    quantity: object,
+    ramp: float = 0.0,
 ) -> tuple[Series, str]:
     """Values and errors in order of time, and the measured quantity."""
     if isinstance(time, Record):
@@ -192,12 +193,16 @@ def _data(
         raise InputError("quantity", expected=expected, got=checks.shown(quantity))
     of_models = {"healing": "friction", "held": "force"}
     measured = str(quantity or of_models.get(str(model), "area"))
+    if isinstance(error, str):
+        error = units.number("error", error, "1", above=0) * checks.positive(measured, area)
     if error is not None and (errors := checks.positive("error", error)).ndim == 0:
         error = np.full(np.shape(area), errors)  # type: ignore[arg-type]
     series = Series.checked(time, area, error, ("time", measured, "error"))
     t = series.x
     if t.size < 2 or not t.any():
         raise InputError("time", expected="two times or more, above 0", got=checks.shown(t.tolist()))
+    if t[0] < ramp:
+        raise InputError("time", expected=f"times after the ramp, from {ramp:g} s on", got=float(t[0]))
     if t[-1] > LARGEST:
         raise InputError("time", expected=f"times up to {LARGEST:g} s", got=float(t[-1]))
     if not callable(model):
@@ -223,19 +228,11 @@ def _per_time(t: Floats, v: Floats) -> Floats:
     return np.asarray(v.mean() / np.sqrt(np.maximum(width, 1e-3 * width.mean())))
 
 
-def _indentation(time: Any, depth: Any, force: Any, contact: float | str, drift: float | str) -> Indentation:
-    """The record of an indenter, of itself or of its columns."""
-    if not isinstance(time, Indentation):
-        return Indentation.of(time, depth, force, contact=contact, drift=drift)
-    _check_none(area=depth, force=force, contact=contact, drift=drift)
-    return time
-
-
 def _check_none(**facts: object) -> None:
     """Refuse facts about a force on an indenter without one, or about a curve with one."""
     for name, fact in facts.items():
         if fact not in (None, 0.0, "0", False):
-            beside = "without a force on an indenter" if name in _OF_INDENTERS else "with one"
+            beside = f"{'without' if name in _OF_INDENTERS else 'with'} a force on an indenter"
             raise InputError(name, expected=f"none {beside}", got=checks.shown(fact))
 
 

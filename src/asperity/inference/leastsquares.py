@@ -67,14 +67,15 @@ class Profile:
         told = told - told.min()
         return bool(told[0] > LIMIT), bool(told[-1] > LIMIT)
 
-    def end(self, side: int, limit: float) -> float:
-        """Coordinate beyond which all is above the limit; infinite without one. The side is -1 or 1."""
-        inside = np.flatnonzero(self.deviance <= limit)[0 if side < 0 else -1]
-        beyond = inside + side
-        if not 0 <= beyond < self.at.size:
-            return side * np.inf
-        roots = np.sqrt(self.deviance[[inside, beyond]])  # nearly straight
-        return float(np.interp(np.sqrt(limit), roots, self.at[[inside, beyond]]))
+    def ends(self, limit: float = LIMIT) -> Floats:
+        """Low and high coordinate beyond which all is above the limit; infinite without one."""
+        ends = np.array([-np.inf, np.inf])
+        inside = np.flatnonzero(self.deviance <= limit)[[0, -1]]
+        for number, (one, beyond) in enumerate(zip(inside, inside + np.array([-1, 1]), strict=True)):
+            if 0 <= beyond < self.at.size:
+                roots = np.sqrt(self.deviance[[one, beyond]])  # nearly straight
+                ends[number] = np.interp(np.sqrt(limit), roots, self.at[[one, beyond]])
+        return ends
 
 
 def least(

@@ -31,8 +31,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import RectBivariateSpline
-from scipy.ndimage import map_coordinates
+from scipy.interpolate import RectBivariateSpline, RegularGridInterpolator
 
 from asperity.base import checks
 from asperity.base.checks import Floats
@@ -110,15 +109,25 @@ class Model:
             return np.asarray(p["scale"][:, None] * grown)
         return grown if self.size is None else np.asarray(self.size(p)[:, None] * grown)
 
+    def with_priors(self, stated: Mapping[str, Given]) -> Model:
+        """The same with other priors of some parameters; `InputError` for what is none."""
+        priors = dict(self.priors)
+        for name, prior in stated.items():
+            if name not in priors:
+                expected, advice = f"a parameter: {', '.join(priors)}", closest(str(name), priors) or ""
+                raise InputError(f"prior of {name}", expected=expected, got=name, advice=advice)
+            priors[name] = Prior.of(name, prior, priors[name].unit)
+        return replace(self, priors=priors)
+
 
 def of_name(
     name: object,
     time: Floats,
     value: Floats,
     *,
-    priors: Mapping[str, Given] | None,
-    branches: int,
-    absolute: bool,
+    priors: Mapping[str, Given] | None = None,
+    branches: int = 1,
+    absolute: bool = False,
     ramp: float = 0.0,
     quantity: str | None = None,
 ) -> Model:
@@ -138,27 +147,18 @@ def of_name(
         size = functools.partial(_of_ball, quantity=quantity)
         named = built.name if name in CREEP[1:] else "ball"
         built = replace(built, name=named, priors=_BALL | creep, size=size, power=OF_BALL[quantity])
-    ranges = built.priors
-    if not absolute:
-        ranges = {
-            "scale": Prior("log_uniform", _LEAST * float(value.min()), 2 * float(value.max())),
-            **ranges,
-        }
-    elif built.size is None:
+    if absolute and built.size is None:
         raise InputError("absolute", expected="none, for only ratios count", got=f"model {name!r}")
-    for key, stated in (priors or {}).items():
-        if key not in ranges:
-            expected = f"a parameter: {', '.join(ranges)}"
-            raise InputError(
-                f"prior of {key}", expected=expected, got=key, advice=closest(str(key), ranges) or ""
-            )
-        ranges = ranges | {key: Prior.of(key, stated, ranges[key].unit)}
-    if "x1" in ranges:
-        low, high = ranges["x1"].at(np.array(ranges["x1"].reach)) / _RATIOS
+    if not absolute:
+        scale = Prior("log_uniform", _LEAST * float(value.min()), 2 * float(value.max()))
+        built = replace(built, priors={"scale": scale, **built.priors})
+    built = built.with_priors(priors or {})
+    if x1 := built.priors.get("x1"):
+        low, high = x1.at(np.array(x1.reach)) / _RATIOS
         if low < 1 - 1e-9 or high > 1 + 1e-9:
             expected = f"values from {_RATIOS[0]:g} to {_RATIOS[1]:g}, where the theory is tabulated"
-            raise InputError("prior of x1", expected=expected, got=str(ranges["x1"]))
-    return replace(built, priors=ranges, ramp=ramp, scaled=not absolute)
+            raise InputError("prior of x1", expected=expected, got=str(x1))
+    return replace(built, ramp=ramp, scaled=not absolute)
 
 
 _MODULUS = Prior("log_uniform", 1.0, 1e12, "Pa")  # softest gels to stiffer than diamond
@@ -206,24 +206,35 @@ def _rounded(branches: Iterable[tuple[float, float]]) -> list[list[float | str]]
     return [[float(f"{share:.4g}"), f"{time:.4g} s"] for share, time in branches]
 
 
-def relaxation(first: float, last: float, branches: int) -> Model:
-    """A separable half-space with relaxation times in rising order."""
+def _spectrum(first: float, last: float, branches: int) -> dict[str, Prior]:
+    """Shares and relaxation times, which are in rising order."""
     numbers = range(1, branches + 1)
-    priors = _BODY | {f"share_{n}": Prior("uniform", 0.0, 1.0) for n in numbers}
-    priors |= {f"time_{n}": Prior("log_uniform", first / 100, 100 * last, "s") for n in numbers}
-    return Model("relaxation", _maxwell, priors, _of_body, _beyond, _maxwell_held, _maxwell_solid)
+    priors = {f"share_{n}": Prior("uniform", 0.0, 1.0) for n in numbers}
+    return priors | {f"time_{n}": Prior("log_uniform", first / 100, 100 * last, "s") for n in numbers}
 
 
-def _branches(p: Values) -> tuple[Floats, Floats]:
+def relaxation(first: float, last: float, branches: int) -> Model:
+    """A separable half-space with relaxation times."""
+    priors = _BODY | _spectrum(first, last, branches)
+    return Model("relaxation", _maxwell, priors, _of_body, _beyond, relaxed, _maxwell_solid)
+
+
+def held(first: float, last: float, branches: int) -> Model:
+    """Force of a half-space at a held depth, with relaxation times."""
+    return Model("held", relaxed, _spectrum(first, last, branches), excess=_beyond, solid=_maxwell_solid)
+
+
+def branches_of(p: Values) -> tuple[Floats, Floats]:
     """Shares and times, shape (m, branches)."""
-    shares = [values for name, values in p.items() if name.startswith("share_")]
-    times = [values for name, values in p.items() if name.startswith("time_")]
+    shares, times = (
+        [values for name, values in p.items() if name.startswith(kind)] for kind in ("share_", "time_")
+    )
     return np.stack(shares, -1), np.stack(times, -1)
 
 
 def _beyond(p: Values) -> Floats:
     """By how much shares sum to more than 1, and times fall, in ln."""
-    shares, times = _branches(p)
+    shares, times = branches_of(p)
     return np.column_stack([shares.sum(-1) - 1, -np.diff(np.log(times))])
 
 
@@ -234,7 +245,7 @@ def _maxwell(time: Floats, p: Values) -> Floats:
     D = 1/tau. In the variables q_b sqrt(g_b tau_b) the matrix is symmetric; minus its eigenvalues are the
     retardation rates.
     """
-    shares, times = _branches(p)
+    shares, times = branches_of(p)
     root = np.sqrt(np.maximum(shares, 0) / times)  # a difference may begin beyond 0
     matrix = root[:, :, None] * root[:, None, :] - np.eye(times.shape[1]) / times[:, :, None]
     minus, vectors = np.linalg.eigh(matrix)
@@ -243,32 +254,28 @@ def _maxwell(time: Floats, p: Values) -> Floats:
     return np.asarray(1 - (weights[:, None, :] / rates * np.expm1(-rates * time[:, None])).sum(-1))
 
 
-def _maxwell_held(time: Floats, p: Values) -> Floats:
-    shares, times = _branches(p)
+def relaxed(time: Floats, p: Values) -> Floats:
+    """Relaxation over its first value of many Maxwell solids."""
+    shares, times = branches_of(p)
     return np.asarray(1 + (shares[:, None, :] * np.expm1(-time[:, None] / times[:, None, :])).sum(-1))
 
 
 def _maxwell_solid(p: Mapping[str, float]) -> dict[str, object]:
-    shares, times = _branches({name: np.array(value) for name, value in p.items()})
+    shares, times = branches_of({name: np.array(value) for name, value in p.items()})
     shares = shares / max(shares.sum(), 1.0)  # a search exceeds 1 a little
     return _half_space(p, branches=_rounded(zip(shares.tolist(), times.tolist(), strict=True)))
 
 
-def held(first: float, last: float, branches: int) -> Model:
-    """Force of a half-space at a held depth, with relaxation times in rising order."""
-    made = relaxation(first, last, branches)
-    priors = {name: prior for name, prior in made.priors.items() if name not in _BODY}
-    return replace(made, name="held", growth=_maxwell_held, priors=priors, size=None, held=None)
+def _creeping(growth: Curve, first: float, last: float, **creep: Prior) -> Model:
+    """A separable half-space whose creep has a name, and is approximated by branches in a configuration."""
+    solid = functools.partial(_fitted, growth=growth, span=(first / 100, BEYOND * last))
+    return Model(growth.__name__[1:], growth, _BODY | creep, _of_body, solid=solid)
 
 
 def power(first: float, last: float, _: int) -> Model:
     """A separable half-space whose creep is a power of time."""
-    priors = _BODY | {
-        "exponent": Prior("uniform", 0.0, 1.0),
-        "time": Prior("log_uniform", first / 1e6, last * 1e9, "s"),
-    }
-    solid = functools.partial(_fitted, growth=_power, span=(first / 100, BEYOND * last))
-    return Model("power", _power, priors, _of_body, solid=solid)
+    time = Prior("log_uniform", first / 1e6, last * 1e9, "s")
+    return _creeping(_power, first, last, exponent=Prior("uniform", 0.0, 1.0), time=time)
 
 
 def _power(time: Floats, p: Values) -> Floats:
@@ -277,12 +284,8 @@ def _power(time: Floats, p: Values) -> Floats:
 
 def logarithm(first: float, last: float, _: int) -> Model:
     """A separable half-space whose creep is a logarithm of time."""
-    priors = _BODY | {
-        "slope": Prior("log_uniform", 1e-4, 10.0),
-        "time": Prior("log_uniform", first / 1e4, 100 * last, "s"),
-    }
-    solid = functools.partial(_fitted, growth=_logarithm, span=(first / 100, BEYOND * last))
-    return Model("logarithm", _logarithm, priors, _of_body, solid=solid)
+    time = Prior("log_uniform", first / 1e4, 100 * last, "s")
+    return _creeping(_logarithm, first, last, slope=Prior("log_uniform", 1e-4, 10.0), time=time)
 
 
 def _logarithm(time: Floats, p: Values) -> Floats:
@@ -306,21 +309,19 @@ def _of_lattice(p: Values) -> Floats:
 
 
 @functools.cache
-def _growth() -> Floats:
-    """Logarithm of G(x1, x2)/G(x1, 0) on even steps of ln x1 and ln x2; to 1e-4 by linear interpolation."""
+def _growth() -> RegularGridInterpolator:
+    """Logarithm of G(x1, x2)/G(x1, 0) against ln x1 and ln x2: linear between points of a spline, to 1e-4."""
     x1, x2 = (np.log(np.geomspace(*ends, n)) for ends, n in ((_RATIOS, 33), (_TIMES, 193)))
     spline = RectBivariateSpline(x1, x2, np.log(exponential_growth(np.exp(x1)[:, None], np.exp(x2))))
-    fine = (np.linspace(x[0], x[-1], 8 * (x.size - 1) + 1) for x in (x1, x2))
-    return np.asarray(spline(next(fine), next(fine)))
+    rows, columns = (np.linspace(x[0], x[-1], 8 * (x.size - 1) + 1) for x in (x1, x2))
+    fine = spline(rows, columns)
+    return RegularGridInterpolator((rows, columns), fine, bounds_error=False, fill_value=None)
 
 
 def _lattice(time: Floats, p: Values) -> Floats:
-    table, x1 = _growth(), np.broadcast_to(p["x1"][:, None], (p["x1"].size, time.size))
-    steps = [
-        np.log(np.clip(x, *ends) / ends[0]) / np.log(ends[1] / ends[0]) * (n - 1)
-        for x, ends, n in zip((x1, p["rate"][:, None] * time), (_RATIOS, _TIMES), table.shape, strict=True)
-    ]
-    return np.asarray(np.exp(map_coordinates(table, steps, order=1)))
+    both = np.broadcast_arrays(p["x1"][:, None], p["rate"][:, None] * time)
+    logs = [np.log(np.clip(x, *ends)) for x, ends in zip(both, (_RATIOS, _TIMES), strict=True)]
+    return np.asarray(np.exp(_growth()(np.stack(logs, -1))))
 
 
 def _lattice_solid(p: Mapping[str, float]) -> dict[str, object]:

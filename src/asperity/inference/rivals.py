@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats import chi2
 
 from asperity.base import views
 from asperity.base.checks import Floats
 from asperity.errors import InputError
-from asperity.fits.comparison import UNLIKELY, lack_of, price_of
+from asperity.fits.comparison import UNLIKELY, lack_of, neighbors, price_of
 from asperity.fits.result import rms
 from asperity.inference.leastsquares import best_fit
+from asperity.inference.models import Curve
 from asperity.inference.problem import Problem
 
 ACCEPTED = -2 * math.log(UNLIKELY)
@@ -27,6 +30,9 @@ _HELD, _OF = 3, 5
 
 LEAST_ERROR = 1e-9
 """Least relative error of data: that of rounding."""
+
+_MISFIT = 1e-3
+"""Probability of a misfit below which a model misses data of known errors."""
 
 CORRELATED = 0.7
 """Largest correlation of neighboring misfits that is scatter."""
@@ -82,6 +88,20 @@ class Rival(views.Brief):
             missed = rms(problem.misfit(place[np.newaxis])[0, kept:])
         return cls(name, math.inf, missed, problem, at, problem.misfit(at[np.newaxis])[0], times)
 
+    @functools.cached_property
+    def scatter(self) -> tuple[float, float]:
+        """Standard error over the stated one, and correlation of neighbors; 1 and 0 of known errors."""
+        return (1.0, 0.0) if self.problem.informed else self.problem.scatter(self.at)
+
+    @property
+    def misses(self) -> bool:
+        """Whether the misfit is more than scatter: by chi-squared, or by the correlation of neighbors."""
+        if not self.problem.informed:
+            certain = neighbors(self.misfit)[0] > 2 / math.sqrt(self.misfit.size)
+            return certain and self.scatter[1] > CORRELATED
+        free = max(self.misfit.size - self.problem.rank, 1)
+        return bool(chi2.sf(self.misfit @ self.misfit, free) < _MISFIT)
+
     def score(self, share: float) -> float:
         """AICc, of the share of rows that are independent; infinite for too few."""
         n, needed = self.misfit.size, self.problem.rank + (not self.problem.informed)
@@ -125,7 +145,7 @@ def side_by_side(family: Sequence[Plan], others: Sequence[Plan]) -> list[Rival]:
         raise InputError("time", expected=expected, got=problem.time.size, advice=advice)
     every = [*members, *(rival for plan in others if (rival := Rival.fitted(*plan)) is not None)]
     closest = min(every, key=lambda rival: rms(rival.misfit))
-    rho = 0.0 if closest.problem.informed else min(closest.problem.scatter(closest.at)[1], CORRELATED)
+    rho = min(closest.scatter[1], CORRELATED)
     scores = [rival.score(min(1.0, (1 - rho) / (1 + rho))) for rival in every]
     first, lowest = int(np.argmin(scores[: len(members)])), min(scores)
     order = [first, *(n for n in range(len(every)) if n != first)]
@@ -155,20 +175,23 @@ def with_draws(
     return [replace(drawn[0], problem=first.problem, at=first.at, z=first.z), *drawn[1:]]
 
 
-def drift_in(first: Rival) -> list[str]:
-    """A remark if the curve rises steadily at its end, as by a drift of the instrument."""
-    problem, last = first.problem, float(first.problem.time[-1])
-    times, values = last * np.arange(4) / 3, problem.values(first.at[np.newaxis])
+def drift_in(first: Rival, last: float, curve: Curve, size: float = 1.0) -> list[str]:
+    """A remark if a curve rises steadily until the last time, as by a drift of the instrument.
+
+    The size is that of the data for a curve of 1.
+    """
+    problem = first.problem
     with np.errstate(all="ignore"):  # within a ramp, a power has no value at time 0
-        start, begin, middle, end = problem.model.curve(times, values)[0]
+        times, values = last * np.arange(4) / 3, problem.values(first.at[np.newaxis])
+        start, begin, middle, end = curve(times, values)[0]
     start = start if math.isfinite(start) else begin
-    error = float(np.median(problem.error)) / math.sqrt(max(problem.time.size / 3, 1))
+    error = float(np.median(problem.error)) / size / math.sqrt(max(problem.time.size / 3, 1))
     if not (end - begin > _APART * error and end - middle > _STEADY * (middle - begin)):
         return []
     rate = 300 * (end - middle) / (last * start)
     return [
-        f"the curve still rises steadily at its end, by {rate:.2g} % of its first value per s: a drift of "
-        "the instrument and a solid that flows cannot be told apart, unless the drift is measured on a stiff "
+        f"the creep is still steady at its end, at {rate:.2g} % of the first value per s: a drift of the "
+        "instrument and a solid that flows cannot be told apart, unless the drift is measured on a stiff "
         "solid and subtracted, or a second load shows that the rate depends on it"
     ]
 

@@ -156,8 +156,7 @@ class Posterior:
             ends = excluded.get(place, (False, False))
             value = np.median(self.z[:, place]) if self.sampled else self.best[place]
             low, value, high = prior.at(np.insert(self._interval(place, prior, ends), 1, value)).tolist()
-            one = self.followed.get(place)
-            both = np.array([side * math.inf if one is None else one.end(side, LIMIT) for side in (-1, 1)])
+            both = self.followed[place].ends() if place in self.followed else np.array([-math.inf, math.inf])
             profile = np.where(np.isfinite(both), prior.at(np.where(np.isfinite(both), both, 0.0)), both)
             verdict = Verdict(name, prior.unit, WORD[ends], low, high, value, (*profile.tolist(),))
             if verdict.verdict == "bounded" and verdict.factor < FACTOR:
@@ -172,9 +171,7 @@ class Posterior:
             tail = (1 - LEVEL) / (1 if lone else 2)
             ends = np.quantile(self.z[:, place], (tail, 1 - tail))
         elif place in self.followed:
-            ends = np.array(
-                [self.followed[place].end(side, ONE_SIDED if lone else LIMIT) for side in (-1, 1)]
-            )
+            ends = self.followed[place].ends(ONE_SIDED if lone else LIMIT)
         else:
             ends = np.array(bounds)
         return np.where(np.array(excluded) | (not prior.bounded), ends, bounds)
@@ -195,7 +192,7 @@ class Posterior:
         begin, aims, cut = [], [], []
         for place, side in tasks:
             one = self.followed[place]
-            low, high = np.clip([one.end(-1, LIMIT), one.end(1, LIMIT)], *reach[place])
+            low, high = np.clip(one.ends(), *reach[place])
             begin.append(one.z[np.argmin(np.abs(one.at - (high if side > 0 else low)))])
             aim = 2 * high - low if side > 0 else 2 * low - high
             aims.append(np.clip(aim, *reach[place]))

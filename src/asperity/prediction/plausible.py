@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -53,6 +54,8 @@ def remarks_on_prediction(prediction: Prediction) -> Iterator[str]:
     solid, fit, last = prediction.solid, prediction.fit, float(prediction.time[-1])
     if fit is not None and fit.assumed:
         yield fit.assumed
+    if math.isfinite(prediction.material.span[1]) and not prediction.material.spread:
+        yield "the band has no error of the solid: it was inferred from data, but has no draws"
     if solid.creep is None and not solid.branches:
         yield "the contact does not grow: the solid is elastic"
     elif np.ptp(prediction.series("contact_area")) == 0:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import functools
-import re
 import shlex
 import sys
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import Folder, check_unit, naming
@@ -17,7 +17,9 @@ from asperity.app.cli.options import CurveColumns, Drawn, Indenter, Reading, Res
 from asperity.base.words import number
 from asperity.errors import InputError, printable
 
-_OF_RECORDS = "load.?point|lastpunkt|veloc|displac|geschwindig|weg|vitesse|deplacement|déplacement|slip"
+if TYPE_CHECKING:
+    from asperity.fits import Measurements
+
 _RESULTS, _READING, _DRAWN, _COLUMNS = Results(), Reading(), Drawn(), CurveColumns()
 _INDENTER = Indenter()
 
@@ -97,14 +99,22 @@ def infer(
         With --sample, number of processes. [default: one for each core, up to four]
     """
     chosen = columns.chosen()
-    units = unit_time, unit_area
-    if tip := indenter.tip() or ({"radius": None} if model in ("cone", "punch") else {}):
-        _check_no(units, chosen, error=error, quantity=quantity, ramp=ramp)
-        *data, remarks, read, about = _of_indenter(file, vars(reading), indenter)
-    else:
-        *data, remarks, read, about = _data(file, chosen, vars(reading), units, error, model, quantity)
     if ramp is not None:
         check_unit("--ramp", number(ramp), "s")
+    if isinstance(error, float):
+        from asperity.base import checks
+
+        checks.number("--error", error, above=0)
+    of_curves: dict[str, object] = {"--unit-time": unit_time, "--unit-area": unit_area}
+    of_curves |= {f"--column-{name}": column for name, column in chosen.items()}
+    tip = indenter.tip() or ({"radius": None} if model in ("cone", "punch") else {})
+    if tip:
+        facts = {"--error": error, "--quantity": quantity, "--ramp": ramp}
+        data = _indentation(file, vars(reading), indenter, of_curves | facts)
+    elif model == "healing" and _is_sliding(file):
+        data = _sliding(file, vars(reading), error, of_curves)
+    else:
+        data = _curve(file, chosen, vars(reading), (unit_time, unit_area), error, model, quantity)
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.computing import compute_into
     from asperity.app.cli.reports.infer import write_inference
@@ -121,23 +131,17 @@ def infer(
 
     if sample:
         libraries()
-    how: dict[str, Any] = {"model": model, "branches": branches, "ramp": ramp or 0.0, **tip}
-    how |= {
-        "sample": sample,
-        "seed": seed,
-        "walkers": walkers,
-        "quantity": about["quantity"],
-        "absolute": about["absolute"],
-    }
+    how: dict[str, Any] = {"model": model, "branches": branches, "ramp": ramp or 0.0, **tip, **data.how}
+    how |= {"sample": sample, "seed": seed, "walkers": walkers}
     how["priors"] = None if priors is None else read_tables(priors)
-    asked = repr((*data, how))
+    asked = repr((*data.arrays, how))
     how["workers"] = min(cores(), 4) if workers is None else checks.integer("--workers", workers, least=1)
 
     def compute(progress: Progress, checkpoint: Checkpoint) -> Inference:
         places = {name: f"{file}: {name}" for name in ("time", *QUANTITIES)}
-        with naming(**places, absolute="--unit-area"):
-            inference = inferred(*data, **how, progress=progress, checkpoint=checkpoint)
-        return replace(inference, remarks=(*remarks, *inference.remarks), unit=about["unit"])
+        with naming(**places, absolute="--unit-area", error="--error"):
+            inference = inferred(*data.arrays, **how, progress=progress, checkpoint=checkpoint)
+        return replace(inference, remarks=(*data.remarks, *inference.remarks), unit=data.unit)
 
     typed, source = printable(shlex.join(["asperity", *sys.argv[1:]])), printable(file.name)
     compute_into(
@@ -145,7 +149,7 @@ def infer(
         out,
         asked,
         compute,
-        rows=lambda inference: [Row("read", read), *inference.rows()],
+        rows=lambda inference: [Row("read", data.read), *inference.rows()],
         write=functools.partial(write_inference, formats=drawn.formats(), source=source, command=typed),
         every=0.0,
         results=results,
@@ -153,7 +157,58 @@ def infer(
     )
 
 
-def _data(
+@dataclass(frozen=True)
+class _Data:
+    """Times and values, or a record; how `asperity.infer` takes them, and how they were read."""
+
+    arrays: tuple[Any, ...]
+    read: str
+    remarks: tuple[str, ...] = ()
+    unit: str = ""
+    how: Mapping[str, object] = field(default_factory=dict)
+
+
+def _is_sliding(file: Path) -> bool:
+    from asperity.friction.reading import ROLES
+    from asperity.sheets.columns import Columns
+
+    return bool({"load point", "velocity", "displacement"} & {*Columns(file, ROLES).roles})
+
+
+def _sliding(
+    file: Path, reading: dict[str, Any], error: float | str | None, of_curves: Mapping[str, object]
+) -> _Data:
+    """The record of a slide-hold-slide test."""
+    from asperity.friction import read_record
+
+    _check_no(of_curves)
+    record = read_record(file, **reading)
+    return _Data((record, None, error), record.read)
+
+
+def _indentation(
+    file: Path, reading: dict[str, Any], indenter: Indenter, of_curves: Mapping[str, object]
+) -> _Data:
+    """The record of an indenter."""
+    from asperity.inference import read_indentation
+
+    _check_no(of_curves)
+    for flag, value in vars(indenter).items():
+        if flag != "poisson" and value not in (None, "fit"):
+            units = {"angle": "deg", "spring": "N/m", "drift": "m/s"}
+            check_unit(f"--{flag}", number(value), units.get(flag, "m"))
+    record, read = read_indentation(file, **reading, **indenter.reading())
+    return _Data((record,), read, unit="N")
+
+
+def _check_no(of_curves: Mapping[str, object]) -> None:
+    """Refuse flags of curves for a record."""
+    for flag, asked in of_curves.items():
+        if asked is not None:
+            raise InputError(flag, expected="a table of hold times and values", got="a record")
+
+
+def _curve(
     file: Path,
     chosen: dict[str, Any],
     reading: dict[str, Any],
@@ -161,123 +216,65 @@ def _data(
     error: float | str | None,
     model: str,
     quantity: str | None,
-) -> tuple[Any, ...]:
-    """Read times in s, values, errors, remarks, the source, and facts about the quantity."""
-    from asperity.fits import read_measurements
+) -> _Data:
+    """Read times in s, values and errors of a curve."""
+    import numpy as np
+
     from asperity.fits.measurements import errors_beside
     from asperity.sheets.tables import read_table
 
-    names = read_table(file).names
-    if model == "healing" and any(re.search(_OF_RECORDS, name, re.I) for name in names):
-        _check_no(units, chosen)
-        from asperity.friction import hold_peaks, read_record
-
-        record = read_record(file, **reading)
-        peaks = hold_peaks(record)
-        order = peaks.duration.argsort(kind="stable")
-        time, value = peaks.duration[order], peaks.peak[order]
-        about = {"quantity": None, "absolute": False, "unit": ""}
-        return time, value, _error(error, value, 1.0), (), record.read, about
     if chosen["stderr"] is None and error is None and reading["columns"] is None:
         with naming(stderr="--column-stderr"):
-            chosen["stderr"] = errors_beside(names, "its name, or --error 1%")
+            chosen["stderr"] = errors_beside(read_table(file).names, "its name, or --error 1%")
+    table = _measurements(file, {**chosen, **reading}, model, quantity)
+    if error is not None and table.stderr is not None:
+        raise InputError("--error", expected="none beside --column-stderr", got=error)
+    remarks, unit, how = table.remarks, table.value_unit, dict[str, object]()
+    unit_time, unit_area = units
+    if model == "ball":
+        quantity, unit_area = quantity or table.quantity, unit_area or table.value_unit
+        if quantity not in ("depth", "radius", "area"):
+            expected = "depth, radius or area of the contact of the ball"
+            got = f"a column {table.value_name!r}"
+            raise InputError("--quantity", expected=expected, got=got, advice="--quantity depth")
+        how["quantity"] = quantity
+    how["absolute"] = bool(unit_area) and model != "held"
+    target = "1"
+    if unit_area:
+        by_model = {"lattice": "1", "ball": "m^2" if quantity == "area" else "m", "held": "N"}
+        target = by_model.get(model, "m^2")
+        unit = target.removeprefix("1")
+    if not (unit_time or table.time_unit or model == "lattice"):
+        remarks = (*remarks, f"no unit of time beside {table.time_name!r}, taken as s; --unit-time decides")
+    of_time = unit_time or table.time_unit or "s"
+    if isinstance(error, float):
+        table = replace(table, stderr=np.full_like(table.value, error))
+    table = replace(table, time_unit="s" if of_time == "1" else of_time, value_unit=unit_area or "")
+    table = table.in_units("s", target, ("--unit-time", "--unit-area"))
+    errors = error if isinstance(error, str) else table.stderr
+    return _Data((table.time, table.value, errors), table.source, remarks, unit, how)
+
+
+def _measurements(file: Path, how: dict[str, Any], model: str, quantity: str | None) -> Measurements:
+    """Read the values of a model; `InputError` with another model for the values that there are."""
+    from asperity.fits import read_measurements
+    from asperity.inference.indenting import is_record
+
+    asked = {name: how[name] for name in ("columns", "time", "value")}
+    if model == "ball" and not any(asked.values()) and is_record(file):
+        expected = "the radius of the ball, for a record of depth and force"
+        advice = "--columns TIME DEPTH, for depths under a constant load"
+        raise InputError("--radius", expected=expected, got="none", cure={"radius": "10um"}, advice=advice)
     wanted: Any = {
         "ball": quantity or ("depth", "radius", "area"),
         "healing": ("friction", "area"),
         "held": "force",
     }.get(model, "area")
     try:
-        table = read_measurements(file, wanted, **chosen, **reading)
+        return read_measurements(file, wanted, **how)
     except InputError as mistake:
-        unclear = mistake.cure.keys() & {"columns", "quantity"} or model == "ball"
-        if model in ("ball", "relaxation") and unclear and _is_record(file):
-            words, cure = "the radius of the ball, for a record of depth and force", {"radius": "10um"}
-            cure = cure if model == "ball" else {"model": "ball"} | cure
-            raise InputError("--radius", expected=words, got="none", cure=cure) from None
         if "quantity" not in mistake.cure:
             raise
-        expected, got = mistake.expected, mistake.got
         of = {"force": "held", "friction": "healing", "area": "relaxation"}
-        raise InputError(
-            mistake.name,
-            expected=expected,
-            got=got,
-            cure={"model": of.get(str(mistake.cure["quantity"]), "ball")},
-        ) from None
-    if error is not None and table.stderr is not None:
-        raise InputError("--error", expected="none beside --column-stderr", got=error)
-    unit_time, unit_area = units
-    seconds = _factor("--unit-time", unit_time or table.time_unit or "s", "s", "a unit of time, such as min")
-    if model == "ball":
-        quantity, unit_area = quantity or table.quantity, unit_area or table.value_unit or None
-        if quantity not in ("depth", "radius", "area"):
-            expected = "depth, radius or area of the contact of the ball"
-            got = f"a column {table.value_name!r}"
-            raise InputError("--quantity", expected=expected, got=got, advice="--quantity depth")
-    target, example = {
-        "lattice": ("1", "1, for areas over the nominal one"),
-        "ball": ("m", "a unit of length, such as nm"),
-        "held": ("N", "a unit of force, such as nN"),
-    }.get(model if quantity != "area" else "", ("m^2", "a unit of area, such as mm^2"))
-    square = _factor("--unit-area", unit_area or "1", target, example)
-    about = {"quantity": quantity, "absolute": unit_area is not None and model != "held"}
-    about["unit"] = table.value_unit if unit_area is None else target.removeprefix("1")
-    remarks = table.remarks
-    if not (unit_time or table.time_unit or model == "lattice"):
-        remarks = (*remarks, f"no unit of time beside {table.time_name!r}, taken as s; --unit-time decides")
-    value = square * table.value
-    errors = _error(error, value, square) if table.stderr is None else square * table.stderr
-    return seconds * table.time, value, errors, remarks, table.source, about
-
-
-def _check_no(units: tuple[str | None, str | None], chosen: dict[str, Any], **others: object) -> None:
-    """Refuse flags of curves for a record."""
-    facts = dict(zip(("unit-time", "unit-area"), units, strict=True))
-    for name, asked in (facts | {f"column-{name}": x for name, x in chosen.items()} | others).items():
-        if asked is not None:
-            raise InputError(f"--{name}", expected="a table of hold times and values", got="a record")
-
-
-def _of_indenter(file: Path, reading: dict[str, Any], indenter: Indenter) -> tuple[Any, ...]:
-    """Read the record of an indenter, as `_data`."""
-    from asperity.inference import read_indentation
-
-    for flag, value in vars(indenter).items():
-        if flag != "poisson" and value not in (None, "fit"):
-            units = {"angle": "deg", "spring": "N/m", "drift": "m/s"}
-            check_unit(f"--{flag}", number(value), units.get(flag, "m"))
-    record, read = read_indentation(file, **reading, **indenter.reading())
-    return record, None, None, (), read, {"quantity": None, "absolute": False, "unit": "N"}
-
-
-def _is_record(file: Path) -> bool:
-    from asperity.inference.indenting import is_record
-
-    return is_record(file)
-
-
-def _error(error: float | str | None, value: Any, unit: float) -> Any:
-    """Standard errors of all values, from a number or a percentage of each."""
-    import numpy as np
-
-    from asperity.base import checks
-
-    if error is None:
-        return None
-    text = str(error).strip()
-    try:
-        amount = float(text.removesuffix("%"))
-    except ValueError:
-        raise InputError("--error", expected="a number, or a part such as 1%", got=error) from None
-    checks.number("--error", amount, above=0)
-    return amount / 100 * value if text.endswith("%") else np.full_like(value, amount * unit)
-
-
-def _factor(flag: str, unit: str, target: str, expected: str) -> float:
-    """Factor from a unit to that of SI."""
-    from asperity.base import units
-
-    factor = 1.0 if unit == "1" else units.factor(units.spelled(unit) or "", target)
-    if factor is None:
-        raise InputError(flag, expected=expected, got=unit)
-    return factor
+        mistake.cure = {"model": of.get(str(mistake.cure["quantity"]), "ball")}
+        raise mistake.about(mistake.name) from None
