@@ -18,7 +18,7 @@ import numpy as np
 
 from asperity.adhesion import Adhesion
 from asperity.contact.bodies import Bodies
-from asperity.contact.problem import Accuracy, ContactProblem, ContactSolver, Guess, Solution
+from asperity.contact.problem import Accuracy, ContactProblem, ContactSolver, Guess, JointSolver, Solution
 from asperity.errors import ConvergenceError, InputError, PulledOff
 from asperity.lattice import Field
 
@@ -56,7 +56,7 @@ class Adhesive:
         """Solve until the attraction is that of the gap; `PulledOff` if that does not bear the load."""
         interface = problem.interface
         gradual = guess is not None and guess.gradual
-        if interface.adhesion is None or (getattr(self.solver, "knows_adhesion", False) and not gradual):
+        if interface.adhesion is None or (isinstance(self.solver, JointSolver) and not gradual):
             return self.solver.solve(problem, guess, accuracy)
         modes = problem.spectral()
         pull = modes.first_pull(guess)

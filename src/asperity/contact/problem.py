@@ -183,6 +183,13 @@ class ContactSolver(Protocol):
         ...
 
 
+@runtime_checkable
+class JointSolver(ContactSolver, Protocol):
+    """A solver that finds adhesion along with the contacts, unless the guess is gradual."""
+
+    knows_adhesion: ClassVar[bool]
+
+
 def mean_by_rounding(force: Field, in_contact: Mask, size: float, xp: Any = np) -> float:
     """Mean of the force off contact, if the rounding of the mean of u explains it, else 0.
 

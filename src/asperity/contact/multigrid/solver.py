@@ -11,7 +11,6 @@ import numpy as np
 from asperity.base import checks
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.asperities import level_of_overlap
-from asperity.contact.cascade import interpolated
 from asperity.contact.mechanics import Mechanics
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.one_field import OneField
@@ -20,7 +19,6 @@ from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.problem import Accuracy, ContactProblem, Guess, Solution, SpringProblem
 from asperity.errors import InputError
-from asperity.lattice import Field
 from asperity.solids import Springs
 
 
@@ -33,15 +31,6 @@ class Tuning:
 
     max_cycles: int = 40
     """Cycles after which another solver takes over."""
-
-    coarse_start: int = 256
-    """Least number of sites along an axis for which a start from every second site pays."""
-
-    coarse_residual: float = 0.03
-    """Residual of that start."""
-
-    sampled: int = 8
-    """Lines of sites, of which one tells whether heights are smooth."""
 
 
 TUNING = Tuning()
@@ -131,7 +120,7 @@ class Multigrid:
         if springs.k0 == 0:
             return _independent(stated)
         if guess is None or not guess.u.any():  # a surface that nothing has pressed yet tells no length
-            guess = Guess(self._cold_start(stated), disposable=True)
+            guess = Guess(np.full(heights.shape, _level(stated)), disposable=True)
         if stated.load is None and (springs.relaxed or (guess.u > heights).all()):
             # A stiff mean, which truncated corrections move; a free surface, which is one division.
             return guess, 0
@@ -142,28 +131,6 @@ class Multigrid:
             stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
             return Solution(u, u <= heights, cycles, 0, stretch)
         return Guess(u) if np.isfinite(u).all() else None, cycles
-
-    def _cold_start(self, problem: SpringProblem) -> Field:
-        """A flat surface, or where heights are smooth that over every second site, solved."""
-        if not _is_smooth(problem.heights):
-            return np.full(problem.heights.shape, _level(problem))
-        stiffer = replace(problem.springs, k1=4.0 * problem.springs.k1)
-        heights = np.ascontiguousarray(problem.heights[::2, ::2])
-        anchors = float(np.mean(problem.anchors))
-        coarser = replace(problem, heights=heights, springs=stiffer, anchors=anchors)
-        u = np.maximum(self._cold_start(coarser), heights)
-        rows, columns = heights.shape
-        work = OneField(Sites(rows, columns, problem.mirrored), Processor())
-        work.solve(coarser, u, TUNING.coarse_residual, self.max_cycles)
-        return interpolated(u)
-
-
-def _is_smooth(heights: Field) -> bool:
-    """Whether a start from every second site pays: neighbors differ by half as much as sites far apart."""
-    if min(heights.shape) < TUNING.coarse_start or any(n % 2 for n in heights.shape):
-        return False
-    some = heights[:: TUNING.sampled], heights[:, :: TUNING.sampled].T
-    return sum(float(np.mean(np.diff(lines) ** 2)) for lines in some) < float(np.var(some[0]))
 
 
 def _independent(problem: SpringProblem) -> Solution:
