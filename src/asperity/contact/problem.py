@@ -123,13 +123,12 @@ class Guess:
     """Where a solver starts: a surface and the sites assumed in contact.
 
     By default those at which u is at most the height; with ``in_contact``, sites at which u is below the
-    height yield, where the interface does. A solver may overwrite u of a ``disposable`` guess. Adhesion is at
-    first that of the surface ``last``, by default u; ``gradual`` adhesion changes at few sites a round.
+    height yield, where the interface does. Adhesion is at first that of the surface ``last``, by default u;
+    ``gradual`` adhesion changes at few sites a round.
     """
 
     u: Field
     in_contact: Mask | None = None
-    disposable: bool = False
     last: Field | None = None
     gradual: bool = False
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import partial
-from typing import TypeVar
 
 import numpy as np
 
@@ -35,8 +33,6 @@ class Tuning:
 
 TUNING = Tuning()
 
-W = TypeVar("W", OneField, TwoFields)
-
 
 @dataclass(frozen=True, kw_only=True)
 class Multigrid:
@@ -45,7 +41,6 @@ class Multigrid:
     The work per site does not depend on the size of the lattice; see
     `asperity.contact.multigrid.one_field` for the method. Where cycles do not converge, which dense
     and clustered contacts under long steps can cause, `ActiveSet` finishes from where they got.
-    One instance keeps its work arrays, and serves one thread of the caller at a time.
 
     Parameters
     ----------
@@ -54,13 +49,9 @@ class Multigrid:
     """
 
     max_cycles: int = field(default_factory=lambda: TUNING.max_cycles)
-    _work: dict[str, object] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "max_cycles", checks.integer("max_cycles", self.max_cycles, least=0))
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return partial(Multigrid, max_cycles=self.max_cycles), ()  # a copy has work arrays of its own
 
     @staticmethod
     def suits(mechanics: Mechanics) -> bool:
@@ -90,16 +81,8 @@ class Multigrid:
 
     def work_on(self, mechanics: Mechanics) -> TwoFields:
         """Work space for steps of creep on a lattice."""
-        return self._workspace(TwoFields, mechanics.lattice.shape, mirrored=mechanics.lattice.reflecting)
-
-    def _workspace(self, kind: type[W], shape: tuple[int, ...], *, mirrored: bool) -> W:
-        """Work arrays, kept from call to call while the lattice stays the same."""
-        rows, columns = shape
-        sites = Sites(rows, columns, mirrored)
-        space = self._work.get("space")
-        if not isinstance(space, kind) or space.sites != sites:
-            self._work["space"] = space = kind(sites, Processor())
-        return space
+        rows, columns = mechanics.lattice.shape
+        return TwoFields(Sites(rows, columns, mechanics.lattice.reflecting), Processor())
 
     def _by_cycles(
         self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy
@@ -120,12 +103,13 @@ class Multigrid:
         if springs.k0 == 0:
             return _independent(stated)
         if guess is None or not guess.u.any():  # a surface that nothing has pressed yet tells no length
-            guess = Guess(np.full(heights.shape, _level(stated)), disposable=True)
+            guess = Guess(np.broadcast_to(_level(stated), heights.shape))
         if stated.load is None and (springs.relaxed or (guess.u > heights).all()):
             # A stiff mean, which truncated corrections move; a free surface, which is one division.
             return guess, 0
-        u = np.maximum(guess.u, heights, out=guess.u if guess.disposable else None)
-        work = self._workspace(OneField, heights.shape, mirrored=stated.mirrored)
+        u = np.maximum(guess.u, heights)
+        rows, columns = heights.shape
+        work = OneField(Sites(rows, columns, stated.mirrored), Processor())
         done, uniform, cycles = work.solve(stated, u, accuracy.residual, self.max_cycles)
         if done:
             stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
