@@ -49,7 +49,7 @@ def pressed_beside(known, contact, *, control=None, solver=None):
     mechanics = system.mechanics
     system = replace(system, external=mechanics.lattice.extended(known, 0.0))
     level = 0.0 if system.load is not None else system.control.value - system.datum
-    problem = mechanics.implicit_step(0.0).flat_problem(system.heights, level, system.held())
+    problem = mechanics.implicit_step(0.0).problem(system.heights, level, system.held())
     solution = chosen_solver(solver, system).solve(problem, None, PUBLISHED)
     if system.load is not None:
         flat = np.full((mechanics.branches, *solution.u.shape), level)
@@ -117,7 +117,7 @@ def test_a_held_body_is_pulled_as_under_the_load_that_comes_out(name):
 def test_springs_relax_beside_it():
     contact = pressed("springs")
     system = replace(contact.system(), external=uneven(contact))
-    problem = system.mechanics.implicit_step(np.inf).flat_problem(system.heights, 0.0, system.held())
+    problem = system.mechanics.implicit_step(np.inf).problem(system.heights, 0.0, system.held())
     found = Multigrid().solve(problem, None, PUBLISHED)
     force = problem.spectral().force(found.u)
     assert found.solver == "ActiveSet"
@@ -154,7 +154,7 @@ def test_a_wrapper_of_solvers_adds_it_to_problems(solver):
     contact = pressed("springs")
     known = uneven(contact)
     step, system = contact.system().mechanics.implicit_step(0.0), contact.system()
-    problem = step.flat_problem(system.heights, 0.0, system.held())
+    problem = step.problem(system.heights, 0.0, system.held())
     found = Pulling(solver, known).solve(problem, None, PUBLISHED)
     np.testing.assert_array_equal(found.in_contact, pressed_beside(known, contact).in_contact)
 
@@ -163,7 +163,7 @@ def test_forces_off_contact_that_are_not_the_external_ones_are_refused():
     contact = pressed("half-space")
     known = uneven(contact)
     system = replace(contact.system(), external=known)
-    problem = system.mechanics.implicit_step(0.0).flat_problem(system.heights, 0.0, system.held())
+    problem = system.mechanics.implicit_step(0.0).problem(system.heights, 0.0, system.held())
     solution = ActiveSet().solve(problem, None, PUBLISHED)
     level = float(solution.u.mean())
     with refuses(kind=ConvergenceError):

@@ -97,10 +97,7 @@ FILM = asp.solids.coated_half_space(**LAYER, thickness=8.0, base_modulus=10.0, b
         (HALF_SPACE, "reflecting"),
         (asp.solids.layer(**LAYER, thickness=4.0), "periodic"),
         (asp.solids.layer(**LAYER, thickness=20.0, bonded=False), "reflecting"),
-        (
-            asp.solids.coated_half_space(**LAYER, thickness=8.0, base_modulus=10.0, base_poisson=0.3),
-            "periodic",
-        ),
+        (FILM, "periodic"),
     ],
 )
 def test_pillars_let_go_as_their_compliance_says(solid, edges):
@@ -215,16 +212,12 @@ def test_a_path_is_a_way_apart():
     assert float(path["force"][0]) == pytest.approx(contact.load, rel=1e-6)
     assert pulled.force == -float(path["force"].min())
     assert (np.isfinite(pulled.opened) == contact.in_contact).all()
-    assert path["let_go"].size == contact_patches(contact) > 3
+    assert path["let_go"].size == asp.patches.patches(contact.in_contact, edges="periodic").count > 3
     assert len(np.unique(path["let_go"])) > 3
     more = contact.pull_off(4e-3)
     assert more.force > 1.5 * pulled.force  # and in other units the same
     stiffer = asp.press(surface(heights, "periodic"), asp.solids.half_space(modulus=10.0), load=80.0)
     assert stiffer.pull_off(2e-2).force == pytest.approx(10 * pulled.force, rel=1e-3)
-
-
-def contact_patches(contact: asp.Contact) -> int:
-    return asp.patches.patches(contact.in_contact, edges=contact.lattice.edges).count
 
 
 def test_the_force_of_a_rough_contact_grows_with_the_work():

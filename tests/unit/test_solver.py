@@ -182,7 +182,7 @@ def test_the_solution_says_who_solved(max_cycles, solver):
     rough = np.random.default_rng(0).normal(size=(32, 32))
     contact = asp.press(rough, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=30.0)
     system = contact.system()
-    problem = system.mechanics.implicit_step(0.0).flat_problem(system.heights, 0.0, system.held())
+    problem = system.mechanics.implicit_step(0.0).problem(system.heights, 0.0, system.held())
     found = Multigrid(max_cycles=max_cycles).solve(problem, None, PUBLISHED)
     assert found.solver == solver
     assert found.iterations > max_cycles or solver == "Cycles"

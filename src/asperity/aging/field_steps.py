@@ -128,7 +128,7 @@ class FieldSteps(TrBdf2):
         latest = self.tried[-1]
         surfaces = [*(point.u for point in reversed(self.tried[:-1])), *self.earlier]
         ahead = extrapolated(latest.u, *zip(stage.weights[1:], surfaces, strict=False))
-        guess = Guess(ahead, disposable=True, last=latest.u)
+        guess = Guess(ahead, last=latest.u)
         accuracy = Accuracy(stage.tolerance)
         if self.eager:
             accuracy = Accuracy(stage.tolerance, stage.allowed_error, settled=stage.is_last)

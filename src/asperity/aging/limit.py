@@ -56,7 +56,7 @@ def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = N
         flat = Solution(np.full(u.shape, level), system.heights >= level, 0, 0)
         return contact_from(system, flat, AnchorFields.flat(level, system), position, bodies=contact)
     else:
-        guess = Guess(np.array(u), in_contact, disposable=True)
+        guess = Guess(u, in_contact)
         problem = system.problem(step, before)
         solution = solved(chosen_solver(solver, system), problem, guess, PUBLISHED)
     stretch, position = system.stretch(step, solution, before, position)

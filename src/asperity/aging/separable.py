@@ -191,7 +191,7 @@ class SeparableSteps(Steps):
         total = max(load + float(effective.shares @ parts), float(self.loads[0]))
         ahead = self._ahead(total)
         u = self.u + ahead * (self.u - self.before)
-        guess = Guess(u, disposable=True)
+        guess = Guess(u)
         lattice = system.mechanics.lattice
         rhs = lattice.flat_modes(-total / system.sites)
         problem = SpectralProblem(lattice, system.heights, self.stiffness, rhs)

@@ -38,8 +38,8 @@ def _flat_punch(contact: Contact, in_contact: Mask) -> tuple[float, float, Field
     flat = np.where(in_contact, 0.0, -np.inf)
     mechanics, held = contact.system().mechanics, Prescribed(1.0, 0.0)
     step, lattice = mechanics.implicit_step(0.0), mechanics.lattice
-    u, force = _bonded(step.flat_problem(flat, 0.0, held).spectral(), in_contact)
-    _, position = step.stretch_modes(lattice.forward(u), step.flat_modes(0.0), held)
+    u, force = _bonded(step.problem(flat, 0.0, held).spectral(), in_contact)
+    _, position = step.stretch_modes(lattice.forward(u), step.modes_of(0.0), held)
     return -position, -float(u[np.isfinite(contact.system().heights)].mean()), lattice.cut(force)
 
 

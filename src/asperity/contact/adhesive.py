@@ -18,7 +18,7 @@ import numpy as np
 
 from asperity.adhesion import Adhesion
 from asperity.contact.bodies import Bodies
-from asperity.contact.problem import Accuracy, ContactProblem, ContactSolver, Guess, Solution
+from asperity.contact.problem import Accuracy, ContactProblem, ContactSolver, Guess, JointSolver, Solution
 from asperity.errors import ConvergenceError, InputError, PulledOff
 from asperity.lattice import Field
 
@@ -46,41 +46,37 @@ class Tuning:
 TUNING = Tuning()
 
 
-@dataclass(frozen=True)
-class Adhesive:
-    """A solver of contacts with adhesion or without, by a solver of those without."""
-
-    solver: ContactSolver
-
-    def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
-        """Solve until the attraction is that of the gap; `PulledOff` if that does not bear the load."""
-        interface = problem.interface
-        gradual = guess is not None and guess.gradual
-        if interface.adhesion is None or (getattr(self.solver, "knows_adhesion", False) and not gradual):
-            return self.solver.solve(problem, guess, accuracy)
-        modes = problem.spectral()
-        pull = modes.first_pull(guess)
-        assert pull is not None
-        slack, iterations, revisions = accuracy.residual * interface.adhesion.strength * interface.cell, 0, 0
-        rough = replace(accuracy, residual=max(accuracy.residual, TUNING.rough))
-        settled = False
-        for _ in range(TUNING.most_rounds):
-            if interface.parts(modes.load, pull):
-                raise PulledOff
-            known = modes.without_adhesion(pull)
-            solution = self.solver.solve(known, guess, accuracy if settled else rough)
-            iterations, revisions = iterations + solution.iterations, revisions + solution.set_changes
-            before, pull = pull, interface.pull(solution.u - modes.heights)
-            stays = float(np.abs(pull - before).max()) <= slack
-            if gradual and not stays:
-                pull = _few(before, pull, solution.u - modes.heights, interface.adhesion)
-            if stays and (settled or rough == accuracy):
-                return replace(solution, iterations=iterations, set_changes=revisions)
-            settled = stays
-            guess = Guess(solution.u, solution.in_contact, disposable=True)
-        raise ConvergenceError(
-            f"adhesion: the attraction still changes after {TUNING.most_rounds} rounds; try another load"
-        )
+def solved_with_adhesion(
+    solver: ContactSolver, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy
+) -> Solution:
+    """Solve until the attraction is that of the gap; `PulledOff` if that does not bear the load."""
+    interface = problem.interface
+    gradual = guess is not None and guess.gradual
+    if interface.adhesion is None or (isinstance(solver, JointSolver) and not gradual):
+        return solver.solve(problem, guess, accuracy)
+    modes = problem.spectral()
+    pull = modes.first_pull(guess)
+    assert pull is not None
+    slack, iterations, revisions = accuracy.residual * interface.adhesion.strength * interface.cell, 0, 0
+    rough = replace(accuracy, residual=max(accuracy.residual, TUNING.rough))
+    settled = False
+    for _ in range(TUNING.most_rounds):
+        if interface.parts(modes.load, pull):
+            raise PulledOff
+        known = modes.without_adhesion(pull)
+        solution = solver.solve(known, guess, accuracy if settled else rough)
+        iterations, revisions = iterations + solution.iterations, revisions + solution.set_changes
+        before, pull = pull, interface.pull(solution.u - modes.heights)
+        stays = float(np.abs(pull - before).max()) <= slack
+        if gradual and not stays:
+            pull = _few(before, pull, solution.u - modes.heights, interface.adhesion)
+        if stays and (settled or rough == accuracy):
+            return replace(solution, iterations=iterations, set_changes=revisions)
+        settled = stays
+        guess = Guess(solution.u, solution.in_contact)
+    raise ConvergenceError(
+        f"adhesion: the attraction still changes after {TUNING.most_rounds} rounds; try another load"
+    )
 
 
 def _few(before: Field, pull: Field, gap: Field, law: Adhesion) -> Field:

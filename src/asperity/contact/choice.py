@@ -9,7 +9,7 @@ import numpy as np
 
 from asperity.base import checks
 from asperity.contact.active_set import ActiveSet
-from asperity.contact.adhesive import Adhesive
+from asperity.contact.adhesive import solved_with_adhesion
 from asperity.contact.lattice_creep import LatticeCreep
 from asperity.contact.local_creep import ByLaw
 from asperity.contact.multigrid import Multigrid
@@ -47,7 +47,7 @@ def solved(
     solver: ContactSolver, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy
 ) -> Solution:
     """What a solver finds, with adhesion; `InputError` for what is no surface above the heights."""
-    solution, heights = Adhesive(solver).solve(problem, guess, accuracy), problem.heights
+    solution, heights = solved_with_adhesion(solver, problem, guess, accuracy), problem.heights
     fields: list[Any] = [getattr(solution, name, None) for name in ("u", "in_contact")]
     facts = [(np.shape(field), str(getattr(field, "dtype", ""))) for field in fields]
     expected, got = "a Solution", ""

@@ -94,7 +94,7 @@ def solved_on_contacts(problem: SpectralProblem, guess: Guess, tolerance: float)
         rounds += 1
         accurate = error * stiffest <= tolerance * total / contacts
         if (wrong == 0 and accurate) or not (wrong < wrong_before or error < before / 2):
-            return Guess(u + level, in_contact, disposable=True), rounds
+            return Guess(u + level, in_contact), rounds
         in_contact |= penetrating
 
 

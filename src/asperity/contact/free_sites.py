@@ -99,6 +99,7 @@ class FreeSites:
         self.weight = self.free / (1.0 + TUNING.shore * neighbors)
 
         pinning = TUNING.pinning * _pinning(lattice, spectrum, contacts, neighbors, xp)
+        # Without the coarse lattice there are half as many iterations again, or more.
         self.coarse = coarse = _coarser(lattice)
         cut = _stiffness_of_waves(spectrum, coarse) - _stiffness_of_waves(spectrum, _coarsest(lattice))
         cut = max(cut, pinning)

@@ -55,7 +55,7 @@ def first_contact(
         touching = Solution(np.zeros_like(system.heights), system.heights == 0, 0, 0)
         anchors = AnchorFields.flat(level, system)
         return contact_from(system, touching, anchors, level, bodies=bodies)
-    problem = system.mechanics.implicit_step(0.0).flat_problem(system.heights, level, system.held())
+    problem = system.mechanics.implicit_step(0.0).problem(system.heights, level, system.held())
     solution = solved(chosen_solver(solver, system), problem, guess, PUBLISHED)
     if system.load is not None:
         flat = np.broadcast_to(level, (system.mechanics.branches, *solution.u.shape))
@@ -81,7 +81,7 @@ def pressed_anew(
     place = control.value - system.datum if system.load is None else None
     u, _, in_contact, _ = contact.relative
     last = np.full_like(u, np.inf) if apart else None
-    guess = Guess(np.array(u), in_contact, disposable=True, last=last, gradual=True)
+    guess = Guess(u, in_contact, last=last, gradual=True)
     return _anew(contact, contact, system, guess, place, solver, least_force)
 
 
@@ -116,7 +116,7 @@ def slid(
     indentation = np.roll(contact.permanent_indentation, near, axis=axes)
     bodies = Bodies(heights, contact.lattice, contact.solid, contact.surface, contact.si, indentation)
     system = contact.system().above(heights)
-    guess = Guess(u - system.datum, in_contact, disposable=True)
+    guess = Guess(u - system.datum, in_contact)
     return _anew(contact, bodies, system, guess, None, solver)
 
 

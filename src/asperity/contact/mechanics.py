@@ -18,7 +18,7 @@ transform. Fields of anchors and stretches have the branches as their first axis
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -222,16 +222,12 @@ class ImplicitStep:
             stiffness.flat[0] = 0.0
         return stiffness
 
-    def problem(self, heights: Field, anchors: Field, held: Prescribed) -> ContactProblem:
-        """The contact problem of a step from anchors v_b.
+    def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> ContactProblem:
+        """The contact problem of a step from anchors v_b, or from flat ones at a level.
 
         ``held`` is what is prescribed at its end; the maximum of the heights is 0.
         """
-        return self.spectral_problem(heights, self.mechanics.lattice.forward(anchors), held)
-
-    def flat_problem(self, heights: Field, level: float, held: Prescribed) -> ContactProblem:
-        """The same from anchors that are all flat, at a level."""
-        return self.spectral_problem(heights, self.flat_modes(level), held)
+        return self.spectral_problem(heights, self.modes_of(anchors), held)
 
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> ContactProblem:
         """The same from the Fourier modes of the anchors."""
@@ -266,9 +262,11 @@ class ImplicitStep:
         modes[mean], position = self.mechanics.body.after_step(surface, before, *how)
         return modes, position
 
-    def flat_modes(self, level: float) -> Modes:
-        """Fourier modes of anchors that are all flat."""
-        flat = self.mechanics.lattice.flat_modes(level)
+    def modes_of(self, anchors: Field | float) -> Modes:
+        """Fourier modes of anchors, or of flat ones at a level."""
+        if not isinstance(anchors, float):
+            return self.mechanics.lattice.forward(anchors)
+        flat = self.mechanics.lattice.flat_modes(anchors)
         return np.repeat(flat[np.newaxis], self.mechanics.branches, axis=0)
 
 
@@ -331,21 +329,15 @@ class SpringImplicitStep(ImplicitStep):
 
     mechanics: SpringMechanics
 
-    def problem(self, heights: Field, anchors: Field, held: Prescribed) -> SpringProblem:
+    def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> SpringProblem:
         """See `ImplicitStep`."""
-        return self._by_neighbors(heights, anchors[0], held, lambda: self.mechanics.lattice.forward(anchors))
-
-    def flat_problem(self, heights: Field, level: float, held: Prescribed) -> SpringProblem:
-        """See `ImplicitStep`."""
-        return self._by_neighbors(heights, level, held, lambda: self.flat_modes(level))
-
-    def _by_neighbors(
-        self, heights: Field, anchors: Field | float, held: Prescribed, modes: Callable[[], Modes]
-    ) -> SpringProblem:
-        springs, mirrored = self.mechanics.springs.step(self.tau), self.mechanics.lattice.reflecting
         return SpringProblem(
-            *(heights, springs, anchors, held.load, mirrored),
-            lambda: self.spectral_problem(heights, modes(), held),
+            heights,
+            self.mechanics.springs.step(self.tau),
+            anchors if isinstance(anchors, float) else anchors[0],
+            held.load,
+            self.mechanics.lattice.reflecting,
+            lambda: self.spectral_problem(heights, self.modes_of(anchors), held),
             held.external,
         )
 

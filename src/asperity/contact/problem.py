@@ -123,13 +123,12 @@ class Guess:
     """Where a solver starts: a surface and the sites assumed in contact.
 
     By default those at which u is at most the height; with ``in_contact``, sites at which u is below the
-    height yield, where the interface does. A solver may overwrite u of a ``disposable`` guess. Adhesion is at
-    first that of the surface ``last``, by default u; ``gradual`` adhesion changes at few sites a round.
+    height yield, where the interface does. Adhesion is at first that of the surface ``last``, by default u;
+    ``gradual`` adhesion changes at few sites a round.
     """
 
     u: Field
     in_contact: Mask | None = None
-    disposable: bool = False
     last: Field | None = None
     gradual: bool = False
 
@@ -181,6 +180,13 @@ class ContactSolver(Protocol):
     def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
         """Solve from a guess or from nothing; return a solution as accurate, or raise `ConvergenceError`."""
         ...
+
+
+@runtime_checkable
+class JointSolver(ContactSolver, Protocol):
+    """A solver that finds adhesion along with the contacts, unless the guess is gradual."""
+
+    knows_adhesion: ClassVar[bool]
 
 
 def mean_by_rounding(force: Field, in_contact: Mask, size: float, xp: Any = np) -> float:

@@ -167,12 +167,10 @@ def remarks_on_contacts(
 
 def _remarks(rough: Surface, solid: Solid, seen: Resolved, measures: Statistics | None) -> list[str]:
     """All remarks on a contact, in one order; "" for one that is not true of it."""
-    when, borne = (
-        seen.when,
-        f"{100 * seen.on_filled:.3g} % of the load is on filled pixels",
-    )
-    cure = "crop the scan, measure another place, or set undefined = 'no-body' where there is none"
-    filled = f"{borne}: {cure}" if seen.on_filled > BORNE else ""
+    when, filled = seen.when, ""
+    if seen.on_filled > BORNE:
+        cure = "crop the scan, measure another place, or set undefined = 'no-body' where there is none"
+        filled = f"{100 * seen.on_filled:.3g} % of the load is on filled pixels: {cure}"
     if measures is None:
         return [filled]
     shape, soft = _is_shape(rough), (solid.modulus or math.inf) < _SOFT

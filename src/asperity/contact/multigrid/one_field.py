@@ -101,7 +101,8 @@ class OneField(Corrections):
                 eq = self.equation()
                 backend.restrict_1(eq, first.source[0])
             self.improve_on_grids(sums.contacts)
-            # Move by the combination of correction and previous move that has the lowest energy.
+            # Move by the combination of correction and previous move that has the lowest energy. Corrections
+            # taken as they are need up to three times the cycles.
             weights = lowest(backend.products_1(eq, first.joined[0], self.previous), self.coupling)
             backend.correct_1(eq, first.joined[0], self.previous, *weights)
         self.settle()

@@ -71,15 +71,6 @@ class Found(NamedTuple):
 class Processor:
     """The backend that computes on the processor."""
 
-    def __init__(self) -> None:
-        self._kept: dict[int, Field] = {}
-
-    def _sums(self, sites: Sites) -> Field:
-        """A place for numbers by rows."""
-        if sites.rows not in self._kept:
-            self._kept[sites.rows] = np.zeros((sites.rows, len(Found._fields)))
-        return self._kept[sites.rows]
-
     # Fields.
 
     def packed(self, field: NDArray[np.floating]) -> Single:
@@ -97,7 +88,7 @@ class Processor:
 
     def total(self, field: Single, sites: Sites) -> float:
         """Sum of a field."""
-        sums = self._sums(sites)
+        sums = _sums(sites)
         rows.total(field, sites.columns, sums)
         return float(sums[:, 0].sum())
 
@@ -124,7 +115,7 @@ class Processor:
         flowing: bool,
     ) -> Found:
         """Bound, source and flow of a state with the force k0 L u + k1 w + uniform."""
-        sums = self._sums(sites)
+        sums = _sums(sites)
         numbers = springs.k0, springs.k1, springs.spread, springs.drag
         states.measure(surface, numbers, uniform, flowing, scales, into, sites, sums)
         return Found(*sums[:, :3].max(axis=0).tolist(), *sums[:, 3:].sum(axis=0).tolist())
@@ -148,7 +139,7 @@ class Processor:
         The numbers: weight of the stage before, the constant its f lacks, weights of both rates.
         """
         growth, offset, first, second = map(np.float32, numbers)
-        sums = self._sums(sites)
+        sums = _sums(sites)
         states.guess(past, growth, offset, (first, second), middle, bound, guess, c, sites, sums)
         e, f, source = sums[:, :3].sum(axis=0).tolist()
         return e, f, source
@@ -178,7 +169,7 @@ class Processor:
 
     def restrict_1(self, eq: One, out: Single) -> Extremes:
         """The defect of one field, on the first coarse grid."""
-        sums = self._sums(eq.sites)
+        sums = _sums(eq.sites)
         one_field.restrict_1(eq, out, sums)
         worst, far = sums[:, :2].max(axis=0).tolist()
         return Extremes(worst, far, float(sums[:, 2].sum()))
@@ -189,7 +180,7 @@ class Processor:
 
     def products_1(self, eq: One, coarse: Single, previous: Single) -> Field:
         """Products of gradient r, correction d, previous move q: rd, rq, dSd, dSq, qSq, sums of d and q."""
-        sums = self._sums(eq.sites)
+        sums = _sums(eq.sites)
         one_field.products_1(eq, coarse, previous, sums)
         return np.asarray(sums[:, :7].sum(axis=0))
 
@@ -200,7 +191,7 @@ class Processor:
 
         The correction and the defects are on demand.
         """
-        sums = self._sums(eq.sites)
+        sums = _sums(eq.sites)
         two_fields.cycle_2(eq, coarse, np.float32(part), correcting, restricting, out, sums)
         return Defects(*sums[:, :3].sum(axis=0).tolist())
 
@@ -214,6 +205,11 @@ class Processor:
         Returns the sum of the last correction.
         """
         return float(_ASCEND[len(coarse)](grid, coarse, np.float32(shift), joined))
+
+
+def _sums(sites: Sites) -> Field:
+    """A place for numbers by rows."""
+    return np.zeros((sites.rows, len(Found._fields)))
 
 
 _DESCEND: dict[int, Any] = {1: one_field.descend_1, 2: two_fields.descend_2}

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import partial
-from typing import TypeVar
 
 import numpy as np
 
 from asperity.base import checks
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.asperities import level_of_overlap
-from asperity.contact.cascade import interpolated
 from asperity.contact.mechanics import Mechanics
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.one_field import OneField
@@ -20,7 +17,6 @@ from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.problem import Accuracy, ContactProblem, Guess, Solution, SpringProblem
 from asperity.errors import InputError
-from asperity.lattice import Field
 from asperity.solids import Springs
 
 
@@ -34,19 +30,8 @@ class Tuning:
     max_cycles: int = 40
     """Cycles after which another solver takes over."""
 
-    coarse_start: int = 256
-    """Least number of sites along an axis for which a start from every second site pays."""
-
-    coarse_residual: float = 0.03
-    """Residual of that start."""
-
-    sampled: int = 8
-    """Lines of sites, of which one tells whether heights are smooth."""
-
 
 TUNING = Tuning()
-
-W = TypeVar("W", OneField, TwoFields)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +41,6 @@ class Multigrid:
     The work per site does not depend on the size of the lattice; see
     `asperity.contact.multigrid.one_field` for the method. Where cycles do not converge, which dense
     and clustered contacts under long steps can cause, `ActiveSet` finishes from where they got.
-    One instance keeps its work arrays, and serves one thread of the caller at a time.
 
     Parameters
     ----------
@@ -65,13 +49,9 @@ class Multigrid:
     """
 
     max_cycles: int = field(default_factory=lambda: TUNING.max_cycles)
-    _work: dict[str, object] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "max_cycles", checks.integer("max_cycles", self.max_cycles, least=0))
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return partial(Multigrid, max_cycles=self.max_cycles), ()  # a copy has work arrays of its own
 
     @staticmethod
     def suits(mechanics: Mechanics) -> bool:
@@ -101,16 +81,8 @@ class Multigrid:
 
     def work_on(self, mechanics: Mechanics) -> TwoFields:
         """Work space for steps of creep on a lattice."""
-        return self._workspace(TwoFields, mechanics.lattice.shape, mirrored=mechanics.lattice.reflecting)
-
-    def _workspace(self, kind: type[W], shape: tuple[int, ...], *, mirrored: bool) -> W:
-        """Work arrays, kept from call to call while the lattice stays the same."""
-        rows, columns = shape
-        sites = Sites(rows, columns, mirrored)
-        space = self._work.get("space")
-        if not isinstance(space, kind) or space.sites != sites:
-            self._work["space"] = space = kind(sites, Processor())
-        return space
+        rows, columns = mechanics.lattice.shape
+        return TwoFields(Sites(rows, columns, mechanics.lattice.reflecting), Processor())
 
     def _by_cycles(
         self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy
@@ -131,39 +103,18 @@ class Multigrid:
         if springs.k0 == 0:
             return _independent(stated)
         if guess is None or not guess.u.any():  # a surface that nothing has pressed yet tells no length
-            guess = Guess(self._cold_start(stated), disposable=True)
+            guess = Guess(np.broadcast_to(_level(stated), heights.shape))
         if stated.load is None and (springs.relaxed or (guess.u > heights).all()):
             # A stiff mean, which truncated corrections move; a free surface, which is one division.
             return guess, 0
-        u = np.maximum(guess.u, heights, out=guess.u if guess.disposable else None)
-        work = self._workspace(OneField, heights.shape, mirrored=stated.mirrored)
+        u = np.maximum(guess.u, heights)
+        rows, columns = heights.shape
+        work = OneField(Sites(rows, columns, stated.mirrored), Processor())
         done, uniform, cycles = work.solve(stated, u, accuracy.residual, self.max_cycles)
         if done:
             stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
             return Solution(u, u <= heights, cycles, 0, stretch)
         return Guess(u) if np.isfinite(u).all() else None, cycles
-
-    def _cold_start(self, problem: SpringProblem) -> Field:
-        """A flat surface, or where heights are smooth that over every second site, solved."""
-        if not _is_smooth(problem.heights):
-            return np.full(problem.heights.shape, _level(problem))
-        stiffer = replace(problem.springs, k1=4.0 * problem.springs.k1)
-        heights = np.ascontiguousarray(problem.heights[::2, ::2])
-        anchors = float(np.mean(problem.anchors))
-        coarser = replace(problem, heights=heights, springs=stiffer, anchors=anchors)
-        u = np.maximum(self._cold_start(coarser), heights)
-        rows, columns = heights.shape
-        work = OneField(Sites(rows, columns, problem.mirrored), Processor())
-        work.solve(coarser, u, TUNING.coarse_residual, self.max_cycles)
-        return interpolated(u)
-
-
-def _is_smooth(heights: Field) -> bool:
-    """Whether a start from every second site pays: neighbors differ by half as much as sites far apart."""
-    if min(heights.shape) < TUNING.coarse_start or any(n % 2 for n in heights.shape):
-        return False
-    some = heights[:: TUNING.sampled], heights[:, :: TUNING.sampled].T
-    return sum(float(np.mean(np.diff(lines) ** 2)) for lines in some) < float(np.var(some[0]))
 
 
 def _independent(problem: SpringProblem) -> Solution:
