@@ -63,7 +63,6 @@ def carried_figure(dataset: xr.Dataset) -> style.Drawing:
     panels = {label: names for label, names in panels.items() if names}
     time = time_axis(dataset, leg_table(dataset), style.PAGE)
     figure, grid = style.stacked((style.PAGE, 1.2 + 1.1 * len(panels)), *[1] * len(panels))
-    figure.align_ylabels(grid)
     load = dataset["load"].values
     first = end_of_loading(load)
     begins, whole = (style.said(dataset, name, float(dataset[name][first])) for name in ("time", "load"))

@@ -17,7 +17,7 @@ import jinja2
 from asperity.analysis.bands import rows_of_maps
 from asperity.base import checks
 from asperity.base.calls import showing
-from asperity.base.readable import printed, written
+from asperity.base.readable import written
 from asperity.base.version import __version__
 from asperity.base.words import band_ends
 from asperity.figures import prediction as drawn
@@ -45,8 +45,6 @@ _CAPTIONS = {
     "relaxation": "The relaxation table, the fitted sum of exponentials, the deviations, and the branches.",
     "observed": "The contact at the last time, its image in the instrument, and what counts as contact.",
 }
-
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,14 +182,7 @@ def written_page(name: str, **values: Any) -> str:
 
 def quantity(value: float, unit: str, digits: int = 3) -> str:
     """Write an SI quantity with a prefix as it is printed: 5 MPa, 1610 nm², 10⁶ s."""
-    number, _, name = written(value, unit, digits).partition(" ")
-    if not name:
-        return number
-    if "e" in number:
-        mantissa, ten = number.split("e")
-        raised = str(int(ten)).translate(_RAISED)
-        number = f"{mantissa} × 10{raised}"
-    return f"{number.removeprefix('1 × ')} {printed(name)}"
+    return style.spaced(written(value, unit, digits))
 
 
 def _rows(prediction: Prediction) -> list[dict[str, Any]]:
