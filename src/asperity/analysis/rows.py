@@ -193,10 +193,6 @@ def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
         interval = (low, high) if low < high else None
         unit = "% of A(0) per decade"
         rows.append(Row("growth", decade * rate.B, unit, interval, note, digits=3, brief=True))
-    if abs(summary.steepest_per_decade) > 0:
-        steepest = f"{summary.steepest_per_decade:.3g} A(0) per decade of time, near t = "
-        steepest += _time(dataset, float(f"{summary.steepest_time:.2g}"))
-        rows.append(Row("steepest growth" if summary.steepest_per_decade > 0 else "steepest loss", steepest))
     return rows
 
 
@@ -215,16 +211,11 @@ def _loads(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
     loads = {"load relaxed": summary.relaxed_load}
     if summary.time.size:
         loads = {f"load at t = {_time(dataset, summary.time[-1])}": float(summary.load[-1]), **loads}
-    rows += [
+    return rows + [
         Row(name, load, unit, note=f", load/load(0) = {to_digits(load / whole, 4)}", brief=True)
         for name, load in loads.items()
         if load is not None
     ]
-    if abs(summary.load_per_decade / whole) > 0:
-        near = f"{float(f'{summary.load_time:.2g}'):g}"
-        slope = f"{summary.load_per_decade / whole:+.3g} load(0) per decade of time, near t = {near}"
-        rows.append(Row("steepest change of load", slope))
-    return rows
 
 
 def yielding_rows(dataset: xr.Dataset) -> list[Row]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import datetime
 import math
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -139,27 +140,18 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
         The command line that made it; may be empty.
     """
     checks.instance("prediction", prediction, Prediction, "asperity.predict(...)")
-    dataset, scan, fit, relaxing = prediction.dataset, prediction.origin, prediction.fit, prediction.relaxing
-    shown = (
-        *("file", "sha256", "reader", "undefined_pixels"),
-        *("despiked_pixels", "tilt_rule", "periodic_rule", "lines_rule"),
-    )
-    shape, rows = dataset["heights"].shape, _rows(prediction)
+    dataset, scan, relaxing = prediction.dataset, prediction.origin, prediction.relaxing
+    heights, rows = dataset["heights"].values, _rows(prediction)
     return written_page(
         "prediction.html",
         p=prediction,
         command=command,
-        scan={name: scan.get(name) for name in shown} | {"file": scan.get("file") or "the surface"},
+        scan=defaultdict(str, scan | {"file": scan.get("file") or "the surface"}),
         understood=understood(scan),
-        measures=statistics(dataset["heights"].values, prediction.spacing),
-        shape=shape,
-        sides=[n * side for n, side in zip(shape, prediction.spacing, strict=True)],
-        edges=dataset.attrs["edges"],
-        exact=dataset.attrs.get("exact_contact", ""),
+        measures=statistics(heights, prediction.spacing),
+        sides=[n * side for n, side in zip(heights.shape, prediction.spacing, strict=True)],
         residual_power=-math.ceil(math.log10(max(float(dataset["residual"].max()), 1e-16))),
-        intervals=None if fit is None else fit.intervals,
         late_modulus=None if relaxing is None else float(relaxing.modulus_at(rows[-1]["time"])),
-        series=None if fit is None else fit.series,
         rows=rows,
         pictures=list(pictures.values()),
     )

@@ -10,10 +10,13 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from enum import Flag, auto
 from functools import partial
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from asperity.contact import Contact
 from asperity.contact.bodies import Bodies
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Home = Literal["coordinate", "series", "field", "contact", "map"]
 Of = Literal["all", "sites", "continua", "yielding", "sliding", "friction", "carried"]
@@ -65,11 +68,15 @@ class Quantity:
     def __post_init__(self) -> None:
         object.__setattr__(self, "label", self.label or self.name.replace("_", " "))
 
+    @property
+    def facts(self) -> tuple[str, str]:
+        """Long name and dimension."""
+        return self.long_name, self.dimension
+
 
 _RESULT, _SHOWN, _SOLVED, _ALL = RUN | CAMPAIGN, RUN | PAGE | CAMPAIGN, RUN | PREDICT | CAMPAIGN, ~_NONE
 _field, _coordinate = partial(Quantity, home="field"), partial(Quantity, home="coordinate")
 _of_map = partial(Quantity, home="map", tables=_RESULT)
-_MEAN_U0 = "separation, the mean of u0"
 _POSITION = "separation, the position of the body; without an apparatus and free edges, the mean of u"
 _AREA = "real contact area"
 _RIM = f"{_AREA}, corrected for pixel rims"
@@ -96,7 +103,7 @@ QUANTITIES: tuple[Quantity, ...] = (
     _coordinate("time", "time", "hold time", RUN | PREDICT | PAGE, symbol="t"),
     Quantity("area", "sites", _AREA, _SHOWN, symbol="A, N(t)", label="contact area", whole=True),
     Quantity("load", "force", "normal load, the sum of the contact forces", _ALL, symbol="F_N"),
-    Quantity("separation", "length", _MEAN_U0, _SHOWN, "sites", symbol="mean u⁰"),
+    Quantity("separation", "length", "separation, the mean of u0", _SHOWN, "sites", symbol="mean u⁰"),
     Quantity("separation", "length", _POSITION, _SHOWN, "continua"),
     Quantity("energy", "energy", "elastic energy, and that of adhesion", _RESULT, symbol="E, Eq. (1)"),
     Quantity("approach", "length", "rigid approach of the bodies since the start", _SOLVED),
@@ -246,6 +253,13 @@ def units_of(contact: Bodies) -> Units:
     if contact.lattice.dimension == 1:
         return units | {"rim": "1"} | (_SI_OF_A_LINE if units is _SI else {})
     return units | {"rim": units["place"]}
+
+
+def describe(dataset: xr.Dataset, facts: Mapping[str, tuple[str, str]], units: Units) -> None:
+    """Give the variables of a Dataset their long names and units, from long names and dimensions."""
+    for name in facts.keys() & dataset.variables.keys():
+        long_name, dimension = facts[name]
+        dataset[name].attrs.update(long_name=long_name, units=units.get(dimension, dimension))
 
 
 def units_named(named: Mapping[str, str]) -> Units:
