@@ -82,9 +82,9 @@ def carried_figure(dataset: xr.Dataset) -> style.Drawing:
             join(axes, time, values, color, look, labels[name] if names[1:] else "")
         axes.axhline(math.nan, color=style.GRAY, linewidth=0.7, linestyle=":", label=f"at {begins}")
         axes.autoscale(axis="y")  # over all curves of the panel
+        axes.margins(y=0.15)
         if label.endswith("resistance") and most > _WIDE * least > 0:  # the first touch presses all else down
             axes.set_yscale("log")
-            axes.margins(y=0.15)
             axes.yaxis.set_major_formatter("{x:g}")
         else:
             axes.set_ylim(bottom=0, top=1 if label == _STICKS else None)

@@ -76,6 +76,7 @@ class Quantity:
 
 _RESULT, _SHOWN, _SOLVED, _ALL = RUN | CAMPAIGN, RUN | PAGE | CAMPAIGN, RUN | PREDICT | CAMPAIGN, ~_NONE
 _field, _coordinate = partial(Quantity, home="field"), partial(Quantity, home="coordinate")
+_carried = partial(Quantity, tables=_ALL, of="carried")
 _of_map = partial(Quantity, home="map", tables=_RESULT)
 _POSITION = "separation, the position of the body; without an apparatus and free edges, the mean of u"
 _AREA = "real contact area"
@@ -91,7 +92,6 @@ _STRENGTH = "shear strength, mean over the sites in contact"
 _RENEWED = "age of the sites in contact, which slip renews"
 _STIFF = "normal contact stiffness, instantaneous, at fixed contacts"
 _STIFF_ACROSS = "tangential contact stiffness, before anything slips"
-_OHMIC = "electrical resistance of the constrictions"
 _PULLED = "pull-off force, the largest tension if pulled apart instantly at that time"
 _LOWER = "by how much the rough surface is lower where it has yielded"
 _LARGEST = "size of the largest patch"
@@ -129,23 +129,21 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("friction_by_area", "1", f"{_COEFFICIENT}, without growth with age", _RESULT, "friction"),
     Quantity("strength_mean", "pressure", _STRENGTH, _RESULT, "friction", label="mean strength"),
     Quantity("contact_age_mean", "time", f"mean {_RENEWED}", _RESULT, "friction", label="mean contact age"),
-    Quantity("normal_stiffness", "stiffness", _STIFF, _ALL, "carried", symbol="kₙ"),
-    Quantity("tangential_stiffness", "stiffness", _STIFF_ACROSS, _ALL, "carried", symbol="kₜ"),
+    _carried("normal_stiffness", "stiffness", _STIFF, symbol="kₙ"),
+    _carried("tangential_stiffness", "stiffness", _STIFF_ACROSS, symbol="kₜ"),
     *(
-        Quantity(
+        _carried(
             f"tangential_stiffness_{kind}",
             "stiffness",
-            f"{_STIFF_ACROSS}, {kind}est direction",
-            _ALL,
-            "carried",
-            label=f"tangential stiffness, {kind}est direction",
+            f"{_STIFF_ACROSS}, {way}",
+            label=f"tangential stiffness, {way}",
         )
-        for kind in ("soft", "stiff")
+        for kind, way in (("soft", "softest direction"), ("stiff", "stiffest direction"))
     ),
-    Quantity("resistance", "ohm", _OHMIC, _ALL, "carried", symbol="R_c"),
-    Quantity("thermal_resistance", "K/W", "thermal resistance of the constrictions", _ALL, "carried"),
-    Quantity("stick_fraction", "1", "share of the contact that sticks under shear", _ALL, "carried"),
-    Quantity("pull_off", "force", _PULLED, _ALL, "carried", label="pull-off force"),
+    _carried("resistance", "ohm", "electrical resistance of the constrictions", symbol="R_c"),
+    _carried("thermal_resistance", "K/W", "thermal resistance of the constrictions"),
+    _carried("stick_fraction", "1", "share of the contact that sticks under shear"),
+    _carried("pull_off", "force", _PULLED, label="pull-off force"),
     _coordinate("leg", "1", "leg of the history, from 0", RUN | PAGE, whole=True),
     _coordinate("heights", "length", "height of the rigid rough surface", symbol="ξ(r)"),
     _field("u", "length", "height of the elastic surface", symbol="u(r), Eq. (1)"),
