@@ -118,10 +118,8 @@ def test_held_separation_and_chosen_maps_and_formats(tmp_path, says):
     dataset = results.load(out / "history.zarr")
     np.testing.assert_allclose(dataset["separation"], 1.5)
     loads = dataset["load"].values
-    assert f"load at t = 1            {loads[-1]:.8g}, load/load(0) = {loads[-1] / loads[0]:.4g}\n" in text
-    assert f"load relaxed             {dataset.attrs['relaxed_load']:.8g}, load/load(0)" in text
-    slopes = np.diff(loads[1:]) / loads[0]
-    assert f"steepest change of load  {slopes[0]:+.3g} load(0) per decade of time, near t = 0.32\n" in text
+    assert f"load at t = 1     {loads[-1]:.8g}, load/load(0) = {loads[-1] / loads[0]:.4g}\n" in text
+    assert f"load relaxed      {dataset.attrs['relaxed_load']:.8g}, load/load(0)" in text
     assert dataset["field_time"].values.tolist() == [0.0, 0.5]
     assert dataset["time"].values.tolist() == [0.0, 0.1, 1.0]
     assert [path.name for path in out.glob("aging.*g")] == ["aging.svg"]

@@ -234,15 +234,6 @@ def test_everything_is_on_the_canvas(aged: xr.Dataset, separated: xr.Dataset) ->
         assert (box.x1 < width, box.y1 < height) == (True, True), name
 
 
-def test_figures_are_written_and_text_in_pdf_is_not_of_type_3(aged, summary, tmp_path):
-    for kind, magic in {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}.items():
-        figures.aging_curve(aged, summary).savefig(tmp_path / f"aging.{kind}")
-        assert (tmp_path / f"aging.{kind}").read_bytes().startswith(magic)
-    content = (tmp_path / "aging.pdf").read_bytes()
-    assert b"/Subtype /Type0" in content
-    assert b"/Type3" not in content
-
-
 def test_numbers_and_units_are_written_as_mathematics() -> None:
     said = {0.0: "0", 0.25: "0.25", 1000.0: "1000", 1e6: "10^{6}", 1e-5: "10^{-5}", math.inf: r"\infty"}
     said[1.78e4] = r"1.8 \times 10^{4}"

@@ -21,13 +21,22 @@ from asperity import Contact, History, age, press, relax
 from asperity.analysis import SiteState, with_limit
 from asperity.analysis.maps import maps_between
 from asperity.errors import OutputError
-from asperity.figures import history_figure, plot_history, plot_spectrum, plot_surface, sliding_figure
+from asperity.figures import (
+    Drawing,
+    distribution_figure,
+    history_figure,
+    plot_history,
+    plot_spectrum,
+    plot_surface,
+    sliding_figure,
+)
 from asperity.figures.contacts import COLORS
+from asperity.figures.style import finish
 from asperity.friction import add_friction
 from asperity.protocols import Hold, Leg, Ramp, Repeat, Slide, Step
 from asperity.protocols.legs import legs_of
 from asperity.solids import half_space, spring_lattice
-from asperity.surfaces import Surface, gaussian, power_spectrum
+from asperity.surfaces import Surface, gaussian, power_spectrum, spectral
 from tests.refusals import each_refuses, refuses
 from tests.surfaces import uncorrelated
 
@@ -152,6 +161,28 @@ def test_the_limit_is_drawn_where_it_is_known(pressed: Contact, aged: History) -
         np.testing.assert_array_equal(dotted.get_ydata(), [limit.area] * 2)
     with refuses("limit", "a contact"):
         aged.plot(axes(), quantity="approach", limit=limit)
+
+
+def test_a_history_that_begins_without_contact_has_its_areas() -> None:
+    heights = spectral((16, 16), spacing=1e-6, rms_height=1e-8, seed=1)
+    solid = half_space(modulus="2 GPa", branches=[(0.3, 10.0)], apparatus=np.inf)
+    above = press(Surface(heights, "m", (1e-6, 1e-6), "m"), solid, separation=heights.max() + 1e-8)
+    data = age(above, [1.0, 5.0], protocol=[Ramp(1.0, separation=0.0), Hold(9.0)], fields_at=[0.0]).dataset
+    assert data["area"].values[0] == 0 < data["area"].values[-1]
+    area = 1e12 * data["contact_area"].values
+    for ax in (plot_history(data, axes()), history_figure(data).axes[-1]):
+        drawn = np.concatenate([line.get_ydata() for line in ax.lines if line.get_marker() == "o"])
+        np.testing.assert_allclose(drawn, area)
+    distribution_figure(data).draw_without_rendering()  # of no patches
+
+
+def test_ticks_within_a_decade_are_few_and_do_not_overlap() -> None:
+    ax = Drawing(figsize=(3.3, 2.0)).subplots()
+    ax.semilogx([1.2, 9.0], [1, 2])
+    finish(ax)
+    ax.figure.draw_without_rendering()
+    labels = [label for label in ax.get_xticklabels(which="both") if label.get_text()]
+    assert {label.get_text() for label in labels} == {"1", "2", "5"}  # the first is beyond the axis
 
 
 def test_what_a_history_has_not_is_refused(pressed: Contact, aged: History) -> None:

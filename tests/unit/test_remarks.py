@@ -245,7 +245,7 @@ def test_an_implausible_friction_is_remarked(strength, said):
 
 
 def test_maps_between_recorded_times_lose_nothing():
-    tables = {
+    tables: dict[str, Any] = {
         "surface": {"kind": "spectral", "shape": [16, 16], "rms_slope": 0.1, **NM},
         "solid": {"kind": "half_space", "modulus": "3 GPa", "branches": [[0.5, "1 s"]]},
         "contact": {"pressure": "10 MPa"},
@@ -255,6 +255,11 @@ def test_maps_between_recorded_times_lose_nothing():
     dataset = execute(config_from(tables, {}, None), Progress()).dataset
     assert dataset["field_time"].values.tolist() == [0.0, 3.0]
     assert rows_of_maps(dataset) == [0, 1]
+    # A map between a switch and the first time that is recorded after it: the switch is the last entry.
+    tables["protocol"] = [{"kind": "hold", "duration": 2.0}, {"kind": "hold", "duration": 8.0}]
+    dataset = execute(config_from(tables, {}, None), Progress()).dataset
+    assert dataset["time"].values.tolist() == [0.0, 1.0, 2.0, 10.0]
+    assert rows_of_maps(dataset) == [0, 2]
 
 
 def test_no_patches_after_a_pull_off_are_not_few():

@@ -62,15 +62,10 @@ class AgingSummary(views.Brief):
         A(0) and the nominal area, sites.
     relaxed_ratio
         A(infinity)/A(0); None without the relaxed state.
-    steepest_per_decade, steepest_time
-        Largest change of A/A(0) in a decade of time between two recorded times, with its sign, and the
-        (geometric) middle of the two; NaN for fewer than two times.
     load
         Load at `time`, shape ``(n,)``; None if it is held.
     initial_load, relaxed_load
         Load at time 0 and in the relaxed state (None if unknown), in the unit of the history.
-    load_per_decade, load_time
-        The same for the load; NaN if it is held.
     fit, fit_note
         The saturation law, with a = `relaxed_ratio` if known, or None; and a caveat or "". Without both for
         continua.
@@ -89,13 +84,9 @@ class AgingSummary(views.Brief):
     initial_area: int
     sites: int
     relaxed_ratio: float | None
-    steepest_per_decade: float
-    steepest_time: float
     load: Field | None
     initial_load: float
     relaxed_load: float | None
-    load_per_decade: float
-    load_time: float
     fit: SaturationFit | None
     fit_note: str
     fit_worst: float
@@ -138,23 +129,16 @@ def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> Aging
     fit, fit_note = (None, "") if "contact_area" in dataset else _fit(time, area, relaxed)
     curve_time = np.geomspace(later[0], later[-1], _SMOOTH_CURVE) if later.size else later
     dilute_time, dilute_ratio, dilute_note = _dilute(dataset, law, curve_time)
-    steepest, when = _steepest(later, ratio)
     forces = np.asarray(dataset["load"], dtype=np.float64)
-    load = None if dataset.attrs["held"] == "load" else forces[1:]
-    load_per_decade, load_time = (math.nan, math.nan) if load is None else _steepest(later, load)
     return AgingSummary(
         time=later,
         area_ratio=ratio,
         initial_area=int(area[0]),
         sites=int(dataset.attrs["sites"]),
         relaxed_ratio=None if relaxed is None else float(relaxed / area[0]),
-        steepest_per_decade=steepest,
-        steepest_time=when,
-        load=load,
+        load=None if dataset.attrs["held"] == "load" else forces[1:],
         initial_load=float(forces[0]),
         relaxed_load=None if relaxed_load is None else float(relaxed_load),
-        load_per_decade=load_per_decade,
-        load_time=load_time,
         fit=fit,
         fit_note=fit_note,
         fit_worst=math.nan if fit is None else float(np.abs(1 - fit.area_ratio(later) / ratio).max()),
@@ -225,15 +209,6 @@ def _fit(time: Field, area: Field, limit: float | None) -> tuple[SaturationFit |
     if fit.rms_residual > _POOR_FIT:
         return fit, f"the law misses these areas by {100 * fit.rms_residual:.2g} % rms"
     return fit, ""
-
-
-def _steepest(time: Field, value: Field) -> tuple[float, float]:
-    """Largest slope per decade between successive times, of either sign, and their geometric middle."""
-    if time.size < 2:
-        return math.nan, math.nan
-    slopes = np.diff(value) / np.diff(np.log10(time))
-    at = int(np.argmax(np.abs(slopes)))
-    return float(slopes[at]), float(np.sqrt(time[at] * time[at + 1]))
 
 
 def _dilute(dataset: xr.Dataset, law: HeightLaw | None, time: Field) -> tuple[Field, Field, str]:

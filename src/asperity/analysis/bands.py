@@ -25,7 +25,7 @@ import scipy
 import xarray as xr
 from numpy.typing import NDArray
 
-from asperity.analysis.legs import protocol_of
+from asperity.analysis.legs import numbers_of, protocol_of
 from asperity.base.checks import Floats
 from asperity.carried.response import punch
 from asperity.contact import Contact
@@ -77,14 +77,11 @@ def interval(values: Floats) -> Floats:
 
 
 def rows_of_maps(dataset: xr.Dataset) -> list[int]:
-    """Entries of the time series at the times of the maps, or the last before; at a jump of the same leg."""
-    time, rows = np.asarray(dataset["time"]), []
-    for number, moment in enumerate(np.asarray(dataset["field_time"])):
-        entries = np.flatnonzero(time <= moment)
-        if "leg" in dataset.coords:
-            entries = entries[np.asarray(dataset["leg"])[entries] == int(dataset["field_leg"][number])]
-        rows.append(int(entries[-1]))
-    return rows
+    """Entries of the time series at the times of the maps, or the last before; at a jump that of the leg."""
+    time, moments, legs = dataset["time"].values, dataset["field_time"].values, numbers_of(dataset)
+    until = dataset["field_leg"].values if "field_leg" in dataset.coords else 0 * moments
+    before = (time <= moments[:, np.newaxis]) & (legs <= until[:, np.newaxis])
+    return [int(np.flatnonzero(entries)[-1]) for entries in before]
 
 
 @dataclass(frozen=True, eq=False)

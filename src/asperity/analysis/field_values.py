@@ -79,6 +79,11 @@ def lattice_of(dataset: xr.Dataset) -> Lattice:
     return Lattice(shape, tuple(spacing), dataset.attrs.get("edges", "periodic"))
 
 
+def cell_of(dataset: xr.Dataset) -> float:
+    """Area of a site, m^2, or of a profile its length, m; 1 in a history without SI units."""
+    return lattice_of(dataset).cell if dataset.attrs.get("si") else 1.0
+
+
 def _rough(fields: xr.Dataset) -> Field:
     """Heights of the rough surface where they are in one map: slid, and lower where it has yielded."""
     heights = np.asarray(fields["heights"], dtype=np.float64)

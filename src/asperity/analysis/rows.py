@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from asperity.analysis.aging import AgingSummary, summary_of
+from asperity.analysis.field_values import cell_of
 from asperity.analysis.legs import leg_table, numbers_of
 from asperity.base import views
 from asperity.base.readable import readable, written
@@ -54,13 +55,18 @@ def _rows(history: History, /) -> list[Row]:
     return history_rows(history.dataset, summary_of(history.dataset))
 
 
+def surface_rows(origin: Mapping[str, Any], shape: Iterable[int], meters: Iterable[float] = ()) -> list[Row]:
+    """Rows on a surface: its file, its pixels and perhaps their sides, and how the file was understood."""
+    sides = " x ".join(written(side, "m") for side in meters)
+    pixels = f"{' x '.join(map(str, shape))} pixels{' of ' * bool(sides)}{sides}"
+    return [Row("surface", f"{origin.get('file') or 'surface'}: {pixels}"), *understood(origin)]
+
+
 def bodies_rows(attrs: Mapping[str, Any]) -> list[Row]:
     """Rows on surface and solid, from the attributes of a law or of a slide."""
-    scan, pixels = json.loads(attrs["surface"]), " x ".join(map(str, json.loads(attrs["shape"])))
     modulus = f", E* = {written(attrs['modulus'], 'Pa')}" if "modulus" in attrs else ""
     return [
-        Row("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels"),
-        *understood(scan),
+        *surface_rows(json.loads(attrs["surface"]), json.loads(attrs["shape"])),
         Row("solid", f"{str(attrs['solid']).replace('_', ' ')}{modulus}"),
     ]
 
@@ -154,7 +160,7 @@ def _extent(name: str, area: int, sites: int, first: int = 0, cell: float = 0.0,
 def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
     si, held = bool(dataset.attrs["si"]), str(dataset.attrs["held"])
     unit = dataset[held].attrs["units"]
-    cell = math.prod(json.loads(dataset.attrs["spacing"])) if si else 0.0
+    cell = cell_of(dataset) if si else 0.0
     square = dataset["contact_area"].attrs["units"] if si else "1"
 
     def contact(when: str, area: int) -> Row:
@@ -167,7 +173,7 @@ def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
     if "mean_contact_pressure" in dataset:
         mean, most = (_value(dataset, name, 0, 4) for name in ("mean_contact_pressure", "largest_pressure"))
         rows.append(Row("pressure at t = 0", f"{mean} mean over the contacts, {most} at most"))
-    rows += _yielding(dataset)
+    rows += yielding_rows(dataset)
     if summary.time.size:
         at = f"at t = {_time(dataset, summary.time[-1])}"
         rows.append(contact(at, int(dataset["area"][-1])))
@@ -187,10 +193,6 @@ def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
         interval = (low, high) if low < high else None
         unit = "% of A(0) per decade"
         rows.append(Row("growth", decade * rate.B, unit, interval, note, digits=3, brief=True))
-    if abs(summary.steepest_per_decade) > 0:
-        steepest = f"{summary.steepest_per_decade:.3g} A(0) per decade of time, near t = "
-        steepest += _time(dataset, float(f"{summary.steepest_time:.2g}"))
-        rows.append(Row("steepest growth" if summary.steepest_per_decade > 0 else "steepest loss", steepest))
     return rows
 
 
@@ -209,19 +211,14 @@ def _loads(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
     loads = {"load relaxed": summary.relaxed_load}
     if summary.time.size:
         loads = {f"load at t = {_time(dataset, summary.time[-1])}": float(summary.load[-1]), **loads}
-    rows += [
+    return rows + [
         Row(name, load, unit, note=f", load/load(0) = {to_digits(load / whole, 4)}", brief=True)
         for name, load in loads.items()
         if load is not None
     ]
-    if abs(summary.load_per_decade / whole) > 0:
-        near = f"{float(f'{summary.load_time:.2g}'):g}"
-        slope = f"{summary.load_per_decade / whole:+.3g} load(0) per decade of time, near t = {near}"
-        rows.append(Row("steepest change of load", slope))
-    return rows
 
 
-def _yielding(dataset: xr.Dataset) -> list[Row]:
+def yielding_rows(dataset: xr.Dataset) -> list[Row]:
     """Sites at the hardness; with maps also the permanent indentation."""
     if "yielding_area" not in dataset:
         return []
@@ -257,7 +254,7 @@ def _legs(dataset: xr.Dataset) -> list[Row]:
     table, unit = leg_table(dataset), dataset["load"].attrs["units"]
     begun = _areas(dataset, float(dataset["area"][0]))
     rows = [Row("contact at t = 0", f"{begun} at load {_value(dataset, 'load', 0, 6)}", brief=True)]
-    rows += _yielding(dataset)
+    rows += yielding_rows(dataset)
     for row in table[:_MOST_LEGS]:
         at = f"t = {_time(dataset, row.begin)}"
         at += f" to {_time(dataset, row.end)}" if row.begin != row.end else ""
@@ -286,6 +283,6 @@ def _areas(dataset: xr.Dataset, *sites: float) -> str:
     text = f"{' to '.join(f'{area:.0f}' for area in sites)} sites"
     if not dataset.attrs["si"]:
         return text
-    cell = math.prod(json.loads(dataset.attrs["spacing"]))
+    cell = cell_of(dataset)
     unit, factor = readable(dataset["contact_area"].attrs["units"], max(sites) * cell)
     return f"{' to '.join(f'{area * cell * factor:.4g}' for area in sites)} {unit} ({text})"

@@ -19,7 +19,7 @@ from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.patches import Patches, Shapes, ages_of, linked, shapes_of
 from asperity.results.history import check_fields
-from asperity.results.quantities import select, units_named, units_of
+from asperity.results.quantities import describe, select, units_named, units_of
 
 _PATCHES = {
     "size": ("sites of the patch", "sites"),
@@ -237,7 +237,5 @@ def _joined(parts: list[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
 
 def _described(columns: Mapping[str, NDArray[Any]], dimension: str, units: Mapping[str, str]) -> xr.Dataset:
     table = xr.Dataset({name: (dimension, values) for name, values in columns.items()})
-    for name in columns:
-        long_name, unit = _PATCHES[name]
-        table[name].attrs.update(long_name=long_name, units=units.get(unit, unit))
+    describe(table, _PATCHES, units)
     return table

@@ -50,10 +50,11 @@ from asperity.contact import Contact, Load
 from asperity.contact.instantaneous import pressed_anew
 from asperity.contact.remarks import Resolved, remarks_on_bodies, remarks_on_contacts, resolution_of
 from asperity.errors import InputError
-from asperity.lattice import Field
+from asperity.lattice import Field, Lattice
 from asperity.progress import listener
-from asperity.results.checkpoint import Keeper
+from asperity.results.checkpoint import Keeper, fingerprint_of_solid
 from asperity.results.dataset import attributes_of_solid
+from asperity.results.quantities import describe
 from asperity.simulate import age, pressed
 from asperity.surfaces import Surface, read
 
@@ -107,8 +108,10 @@ def law(question: Law) -> xr.Dataset:
     if scan.heights.ndim != 2:
         raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
     heights, spacing = scan.in_meters()
-    asked = body.kind, dict(body.parameters), steps.tolist(), ages.tolist(), carried, rtol, scan
-    keeper = Keeper(question.checkpoint, repr(asked).encode() + heights.tobytes())
+    asked = repr((steps.tolist(), ages.tolist(), carried, rtol)).encode() + heights.tobytes()
+    if question.checkpoint is not None:
+        asked += fingerprint_of_solid(body, Lattice(heights.shape, spacing, scan.edges))
+    keeper = Keeper(question.checkpoint, asked)
     rows: list[State] = (keeper.read() or ([],))[0]
     done = {row["pressure"] for row in rows if row["direction"] == "loading"}
     with listener(question.progress) as listening:
@@ -238,7 +241,7 @@ def _with_bands(rows: pd.DataFrame, rough: Field) -> pd.DataFrame:
 def _dataset(rows: list[State], rough: Field) -> xr.Dataset:
     ends = {"": "", "_low": ", low end of the 95 % band", "_high": ", high end of the 95 % band"}
     facts = {
-        f"{name}{end}": {"units": unit, "long_name": f"{meaning}{addition}"}
+        f"{name}{end}": (f"{meaning}{addition}", unit)
         for (name, (unit, meaning)), (end, addition) in itertools.product(OF_LAWS.items(), ends.items())
     }
     table = pd.DataFrame(rows).set_index(["direction", "time", "pressure"]).sort_index()
@@ -246,8 +249,9 @@ def _dataset(rows: list[State], rough: Field) -> xr.Dataset:
     table = pd.concat([_with_bands(group, rough) for _, group in groups])
     dataset = table[[name for name in facts if name in table]].to_xarray()
     dataset = dataset.assign_coords(direction=dataset["direction"].astype(str))
-    facts["time"] = {"units": "s", "long_name": "age: how long the pressure was held"}
-    facts["pressure"] = {"units": "Pa", "long_name": "load over nominal area"}
-    for name in facts.keys() & dataset.variables.keys():
-        dataset[name].attrs.update(facts[name])
+    axes = {
+        "time": ("age: how long the pressure was held", "s"),
+        "pressure": ("load over nominal area", "Pa"),
+    }
+    describe(dataset, facts | axes, {})
     return dataset

@@ -65,7 +65,7 @@ def campaign_figure(dataset: xr.Dataset) -> style.Drawing:
         for number, curve in enumerate(curves):
             time, middle, half = _curve(dataset, mean, spread, {**panel, **curve})
             color = colormaps["cividis"](0.85 * number / max(len(curves) - 1, 1))
-            axes.fill_between(time, middle - half, middle + half, color=color, alpha=0.3, linewidth=0)
+            style.band(axes, time, middle - half, middle + half, color, "")
             look: dict[str, Any] = {"linewidth": 1.3, "markersize": 3.5, "color": color}
             style.curve(axes, time, middle, f"{_MARKERS[number]}-", label=_said(dataset, curve), **look)
         if "leg" not in dataset.coords:

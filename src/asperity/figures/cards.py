@@ -14,7 +14,6 @@ from asperity.base import views
 from asperity.base.calls import showing
 from asperity.base.readable import written
 from asperity.base.rows import Row
-from asperity.base.words import uncertain
 from asperity.contact import Contact
 from asperity.contact.publish import ACCEPTED_RESIDUAL
 from asperity.figures import style
@@ -23,7 +22,7 @@ from asperity.figures.plots import plot_contact, plot_history, plot_surface
 from asperity.figures.prediction import draw_growth
 from asperity.figures.relaxation import draw_moduli
 from asperity.fits import FitResult
-from asperity.fits.result import parameters_of
+from asperity.fits.rows import rows_of_law
 from asperity.prediction.results import Prediction
 from asperity.relaxation import Fit, PronySeries
 from asperity.results.history import History
@@ -119,16 +118,8 @@ def _draw_relaxation(pairs: tuple[tuple[float, float], ...], axes: Axes) -> None
 
 @html_of.register
 def _(fit: FitResult) -> str:
-    names = parameters_of(fit)
-    rows = [(name, uncertain(getattr(fit, name), getattr(fit, f"{name}_stderr"))) for name in names]
-    rows += [
-        ("points", str(fit.points)),
-        ("misfit", f"{100 * fit.rms_residual:.2g} % rms"),
-        ("R²", f"{fit.r_squared:.5g}"),
-    ]
-    if fit.reduced_chi_squared is not None:
-        rows.append(("χ² / degree of freedom", f"{fit.reduced_chi_squared:.3g}"))
-    return _card(type(fit).__name__, rows, None, "± is one standard error; interval(name) gives 95 %.")
+    rows = [(row.name.strip(), row.words()) for row in rows_of_law(fit)]
+    return _card(type(fit).__name__, [("points", str(fit.points)), *rows], None)
 
 
 @html_of.register

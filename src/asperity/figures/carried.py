@@ -63,7 +63,6 @@ def carried_figure(dataset: xr.Dataset) -> style.Drawing:
     panels = {label: names for label, names in panels.items() if names}
     time = time_axis(dataset, leg_table(dataset), style.PAGE)
     figure, grid = style.stacked((style.PAGE, 1.2 + 1.1 * len(panels)), *[1] * len(panels))
-    figure.align_ylabels(grid)
     load = dataset["load"].values
     first = end_of_loading(load)
     begins, whole = (style.said(dataset, name, float(dataset[name][first])) for name in ("time", "load"))
@@ -74,8 +73,6 @@ def carried_figure(dataset: xr.Dataset) -> style.Drawing:
     for axes, (label, names) in zip(grid, panels.items(), strict=True):
         unit, values = str(dataset[names[0]].attrs["units"]), dataset[names].to_array().values
         most, least = float(np.nanmax(values, initial=0.0)), float(np.nanmin(values, initial=math.inf))
-        ends = [dataset[f"{name}_high"].max() for name in names if f"{name}_high" in dataset]
-        highest = float(np.fmax.reduce([most, *map(float, ends)]))
         axis_label, factor = (label, 1.0) if unit == "1" else style.scaled(label, unit, most)
         axes.set_ylabel(axis_label, multialignment="center")
         for name, (color, look) in zip(names, _LOOKS, strict=False):
@@ -84,12 +81,13 @@ def carried_figure(dataset: xr.Dataset) -> style.Drawing:
             shade(axes, time, dataset, name, values, color)
             join(axes, time, values, color, look, labels[name] if names[1:] else "")
         axes.axhline(math.nan, color=style.GRAY, linewidth=0.7, linestyle=":", label=f"at {begins}")
+        axes.autoscale(axis="y")  # over all curves of the panel
+        axes.margins(y=0.15)
         if label.endswith("resistance") and most > _WIDE * least > 0:  # the first touch presses all else down
             axes.set_yscale("log")
-            axes.set_ylim(factor * least / 1.5, 2.5 * factor * highest)
             axes.yaxis.set_major_formatter("{x:g}")
         else:
-            axes.set_ylim(bottom=0, top=1 if label == _STICKS else 1.08 * factor * highest or None)
+            axes.set_ylim(bottom=0, top=1 if label == _STICKS else None)
     head(grid, time, dataset)
     for axes, names in zip(grid, panels.values(), strict=True):
         many = len(names) > len(_LOOKS) / 2

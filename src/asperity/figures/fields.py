@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 
 import numpy as np
@@ -10,6 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from asperity.analysis import distributions
+from asperity.analysis.field_values import cell_of
 from asperity.base.words import power
 from asperity.errors import InputError
 from asperity.figures import style
@@ -113,9 +113,8 @@ def distribution_figure(dataset: xr.Dataset) -> style.Drawing:
     every = distributions(dataset)
     moments = [every[0], every[-1]][: len(every)]
     si, plane = bool(dataset.attrs.get("si")), dataset["heights"].ndim == 2
-    cell = math.prod(json.loads(dataset.attrs["spacing"])) if si else 1
     gaps = [(moment.gap, moment.sites) for moment in moments]
-    sizes = [(cell * moment.patch, moment.patch.size) for moment in moments]
+    sizes = [(cell_of(dataset) * moment.patch, moment.patch.size) for moment in moments]
     pressures = [(field, field.size) for moment in moments if (field := moment.pressure) is not None]
     panels: list[tuple[str, str, str, list[tuple[Field, int]]]] = [
         ("gap", "m", "surface", gaps),
@@ -131,7 +130,7 @@ def distribution_figure(dataset: xr.Dataset) -> style.Drawing:
             _draw(axes, factor * values, whole, color=color, linestyle=dash, label=legend)
         axes.set_xlabel(label)
         axes.set_ylabel(f"part of the {of_what}\nwith as much or more")
-        if "patch" in name:
+        if "patch" in name and largest:
             axes.loglog()
             style.few_ticks(axes.xaxis)
             style.few_ticks(axes.yaxis)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -16,7 +14,7 @@ from matplotlib.axes import Axes
 
 import asperity.figures.contacts as contacts
 from asperity.analysis import ContactMaps, SiteState, contact_maps
-from asperity.analysis.legs import numbers_of
+from asperity.analysis.bands import rows_of_maps
 from asperity.base import checks, views
 from asperity.base.files import expanded
 from asperity.errors import InputError, OutputError
@@ -51,11 +49,6 @@ class Film(FuncAnimation):
         for name, sign in _SIGNS.items():
             player = player.replace(f'<i class="fa fa-{name}"></i>', sign)
         return re.sub(r'<link rel="stylesheet"\s+href="https?://[^>]*>', "", player)
-
-
-@views.defines(History.animate)
-def _film_of(history: History, path: str | Path | None = None, **how: Any) -> Film:
-    return animate_history(history.dataset, path, **how)
 
 
 def animate_history(
@@ -130,6 +123,9 @@ def animate_history(
     return film
 
 
+views.defines(History.animate)(lambda history, *path, **how: animate_history(history.dataset, *path, **how))
+
+
 def _maps(axes: Axes, maps: ContactMaps) -> Callable[[int], None]:
     """How one map is drawn, with the scale of its length."""
     side = cells_in(axes, maps)
@@ -159,19 +155,14 @@ def _profiles(axes: Axes, maps: ContactMaps) -> Callable[[int], None]:
 
 def _places(dataset: xr.Dataset, maps: ContactMaps, entries: Field, axes: Axes) -> Field:
     """Where the maps are on the time axis; on a logarithmic one, time 0 is at its left end."""
-    time, numbers = dataset["time"].values.astype(np.float64), numbers_of(dataset)
-    legs = dataset["field_leg"].values if "field_leg" in dataset.coords else np.zeros(len(maps.times), int)
-    start, end = axes.get_xlim()
-    places = []
-    for number, moment in enumerate(maps.times.tolist()):
-        if math.isinf(moment):
-            places.append(end)
-            continue
-        rows = np.flatnonzero(numbers == legs[number])
-        # The entry at the beginning of a leg is the last one of the leg before, but for the first leg.
-        rows = rows if rows[0] == 0 else np.append(rows[0] - 1, rows)
-        places.append(float(np.interp(moment, time[rows], entries[rows])))
-    return np.maximum(places, start)
+    time, moments, (start, end) = dataset["time"].values, dataset["field_time"].values, axes.get_xlim()
+    rows = np.array(rows_of_maps(dataset))
+    later = np.minimum(rows + 1, time.size - 1)
+    lapse = time[later] - time[rows]
+    share = np.divide(moments - time[rows], lapse, out=np.zeros_like(lapse), where=lapse > 0)
+    places = entries[rows] + share * (entries[later] - entries[rows])
+    places = np.append(places, end)[: len(maps.times)]  # the relaxed state is at the end
+    return np.asarray(np.maximum(places, start))
 
 
 def _writer(path: Path, rate: float, *, overwrite: bool) -> AbstractMovieWriter:

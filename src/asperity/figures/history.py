@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from asperity.analysis.field_values import cell_of
 from asperity.analysis.legs import LegRow, leg_table, protocol_of
 from asperity.errors import InputError
 from asperity.figures import style
@@ -63,7 +64,6 @@ def history_figure(dataset: xr.Dataset, measured: Measurements | Path | str | No
     last = len(names) - 1
     ratios = [2.0] * last + [3.0] + [1.5] * (measured is not None)
     figure, grid = style.stacked((style.PAGE, 1.4 + 0.55 * sum(ratios)), *ratios)
-    figure.align_ylabels(grid)
     for axes, name in zip(grid, names, strict=False):
         per_site = _draw(axes, time, dataset, name)
     head(grid, time, dataset, per_site)
@@ -71,12 +71,10 @@ def history_figure(dataset: xr.Dataset, measured: Measurements | Path | str | No
         _mark_lowest(grid[last], time, per_site)
     figure.table = series_table(dataset, names)
     if measured is not None:
-        sites = dataset["area"].values.astype(np.float64)
-        site = float(dataset["contact_area"][-1]) / sites[-1] if dataset.attrs["si"] else 1.0
-        times, whole = dataset["time"].values, site * dataset.attrs["sites"]
-        measurements = measured_area(measured, whole, si=dataset.attrs["si"])
-        drawn = draw_measured(grid[last:], measurements, times, per_site * sites, per_site / site, time.at)
-        figure.table |= drawn
+        sites, times, site = dataset["area"].values, dataset["time"].values, cell_of(dataset)
+        measurements = measured_area(measured, site * dataset.attrs["sites"], si=dataset.attrs["si"])
+        ratio = draw_measured(grid[last:], measurements, times, per_site * sites, per_site / site, time.at)
+        figure.table |= ratio
     style.count_nominal_area(grid[last], 100.0 / (dataset.attrs["sites"] * per_site))
     for axes in grid:
         style.finish(axes, legend=axes is grid[last], lines_along="y")
@@ -137,8 +135,7 @@ def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
         return values, label if continuum else label + _ON_SITES.get(name, ""), 1.0
     unit, scale = str(dataset[name].attrs["units"]), 1.0
     if name == "area":
-        unit = str(dataset["contact_area"].attrs["units"])
-        scale = float(dataset["contact_area"][0]) / max(float(values[0]), 1.0)
+        unit, scale = str(dataset["contact_area"].attrs["units"]), cell_of(dataset)
     label, factor = style.scaled(label, unit, float(np.nanmax(np.abs(values), initial=0.0)) * scale)
     return values * (factor * scale), label, factor * scale
 
@@ -159,37 +156,28 @@ def shade(
     if f"{name}_low" not in dataset or dataset[f"{name}_low"].isnull().all():
         return
     low, high = (values * (dataset[f"{name}_{end}"] / dataset[name]).values for end in ("low", "high"))
-    label = "95 % band"
     for part in np.split(np.arange(values.size), np.flatnonzero(time.after)):
-        axes.fill_between(time.place[part], low[part], high[part], color=color, alpha=0.35, lw=0, label=label)
-        label = ""
+        label = "" if part[0] else "95 % band"  # each name once
+        style.band(axes, time.place[part], low[part], high[part], color, label)
 
 
 def join(
     axes: Axes, time: TimeAxis, values: Field, color: str = style.BLUE, look: str = "o", label: str = ""
 ) -> None:
     """Draw each entry of a series once, and lines between them; a jump is dashed."""
-    path, jumps = [], []
-    gap, points = (math.nan, math.nan), list(zip(time.place, values, strict=True))
-    for i, point in enumerate(points):
-        if time.after[i]:
-            jumps += [points[i - 1], point, gap]
-            path.append(gap)
-        elif math.isfinite(time.start[i]):
-            path.append((time.start[i], points[i - 1][1]))
-        path.append(point)
-    axes.plot(*np.transpose(path), "-", color=color, linewidth=1.0, zorder=3)
-    if jumps:
-        axes.plot(*np.transpose(jumps), "--", color=style.GRAY, linewidth=1.2, zorder=3)
-    size = 4.0 if values.size <= _MANY else 2.0
+    points, after = np.stack([time.place, values]), time.after
+    begins = np.flatnonzero(after | np.isfinite(time.start))  # of lines: after a gap, or at a switch
+    starts = time.start[begins], np.where(after[begins], math.nan, values[begins - 1])
+    axes.plot(*np.insert(points, begins, starts, axis=1), "-", color=color, linewidth=1.0, zorder=3)
+    sides = points[:, np.flatnonzero(after)[:, np.newaxis] + [-1, 0]]
+    jumps = np.pad(sides, ((0, 0), (0, 0), (0, 1)), constant_values=math.nan).reshape(2, -1)
+    axes.plot(*jumps, "--", color=style.GRAY, linewidth=1.2, zorder=3)
     mark = style.INK if color == style.BLUE else color
-    common: dict[str, Any] = {"color": mark, "markersize": size, "zorder": 4, "clip_on": False}
-    usual = ~time.after
-    axes.plot(time.place[usual], values[usual], look, markerfacecolor="white", label=label or None, **common)
-    if time.after.any():
-        places = time.place[time.after]
-        jumped = None if label else "just after a jump"
-        axes.plot(places, values[time.after], "D", label=jumped, **common)
+    common: dict[str, Any] = {"color": mark, "markersize": 4.0 if values.size <= _MANY else 2.0}
+    common |= {"zorder": 4, "clip_on": False}
+    axes.plot(*points[:, ~after], look, markerfacecolor="white", label=label or None, **common)
+    if after.any():
+        axes.plot(*points[:, after], "D", label=None if label else "just after a jump", **common)
     values = values[np.isfinite(values)]
     axes.ticklabel_format(axis="y", useOffset=False)
     if not values.size:

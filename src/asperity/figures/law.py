@@ -53,14 +53,13 @@ def law_figure(dataset: xr.Dataset) -> style.Drawing:
             axes.plot(pressure, values, dashes[direction], color=colors[age], linewidth=1.4, label=legend)
         last = dataset.sel(direction="loading", time=ages[-1])
         low, high = (last[f"{name}_{end}"].values * scale for end in ("low", "high"))
-        axes.fill_between(pressure, low, high, color=colors[ages[-1]], alpha=0.2, linewidth=0)
+        style.band(axes, pressure, low, high, colors[ages[-1]], "")
         axes.set_ylabel(f"{_PANELS[name]}\n[{style.spelled(unit)}]")
         axes.set_xscale("log")
         if name != "approach":
             axes.set_yscale("log")
             style.few_ticks(axes.yaxis)
         style.finish(axes, legend=axes is grid[0])
-    figure.align_ylabels(grid)
     grid[-1].xaxis.set_major_formatter("{x:g}")
     grid[-1].set_xlabel(style.with_unit("pressure, load over nominal area", across))
     title = "Law of the rough layer\nshaded: 95 % band of the mean over such scans, last age"

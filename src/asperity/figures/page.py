@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import datetime
 import math
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -17,7 +18,7 @@ import jinja2
 from asperity.analysis.bands import rows_of_maps
 from asperity.base import checks
 from asperity.base.calls import showing
-from asperity.base.readable import printed, written
+from asperity.base.readable import written
 from asperity.base.version import __version__
 from asperity.base.words import band_ends
 from asperity.figures import prediction as drawn
@@ -45,8 +46,6 @@ _CAPTIONS = {
     "relaxation": "The relaxation table, the fitted sum of exponentials, the deviations, and the branches.",
     "observed": "The contact at the last time, its image in the instrument, and what counts as contact.",
 }
-
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,27 +140,18 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
         The command line that made it; may be empty.
     """
     checks.instance("prediction", prediction, Prediction, "asperity.predict(...)")
-    dataset, scan, fit, relaxing = prediction.dataset, prediction.origin, prediction.fit, prediction.relaxing
-    shown = (
-        *("file", "sha256", "reader", "undefined_pixels"),
-        *("despiked_pixels", "tilt_rule", "periodic_rule", "lines_rule"),
-    )
-    shape, rows = dataset["heights"].shape, _rows(prediction)
+    dataset, scan, relaxing = prediction.dataset, prediction.origin, prediction.relaxing
+    heights, rows = dataset["heights"].values, _rows(prediction)
     return written_page(
         "prediction.html",
         p=prediction,
         command=command,
-        scan={name: scan.get(name) for name in shown} | {"file": scan.get("file") or "the surface"},
+        scan=defaultdict(str, scan | {"file": scan.get("file") or "the surface"}),
         understood=understood(scan),
-        measures=statistics(dataset["heights"].values, prediction.spacing),
-        shape=shape,
-        sides=[n * side for n, side in zip(shape, prediction.spacing, strict=True)],
-        edges=dataset.attrs["edges"],
-        exact=dataset.attrs.get("exact_contact", ""),
+        measures=statistics(heights, prediction.spacing),
+        sides=[n * side for n, side in zip(heights.shape, prediction.spacing, strict=True)],
         residual_power=-math.ceil(math.log10(max(float(dataset["residual"].max()), 1e-16))),
-        intervals=None if fit is None else fit.intervals,
         late_modulus=None if relaxing is None else float(relaxing.modulus_at(rows[-1]["time"])),
-        series=None if fit is None else fit.series,
         rows=rows,
         pictures=list(pictures.values()),
     )
@@ -184,14 +174,7 @@ def written_page(name: str, **values: Any) -> str:
 
 def quantity(value: float, unit: str, digits: int = 3) -> str:
     """Write an SI quantity with a prefix as it is printed: 5 MPa, 1610 nm², 10⁶ s."""
-    number, _, name = written(value, unit, digits).partition(" ")
-    if not name:
-        return number
-    if "e" in number:
-        mantissa, ten = number.split("e")
-        raised = str(int(ten)).translate(_RAISED)
-        number = f"{mantissa} × 10{raised}"
-    return f"{number.removeprefix('1 × ')} {printed(name)}"
+    return style.spaced(written(value, unit, digits))
 
 
 def _rows(prediction: Prediction) -> list[dict[str, Any]]:

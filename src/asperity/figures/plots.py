@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LogNorm, to_hex
+from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from asperity.analysis import ContactMaps, SiteState
@@ -97,11 +97,6 @@ def plot_contact(
     return axes
 
 
-@views.defines(History.plot)
-def _plot_of(history: History, ax: Axes | None = None, **how: Any) -> Axes:
-    return plot_history(history.dataset, ax, **how)
-
-
 @style.drawn
 def plot_history(
     dataset: xr.Dataset,
@@ -143,18 +138,14 @@ def plot_history(
     check_series(dataset, quantity)
     relaxed = _limit_of(dataset, quantity, limit)
     axes = axes_for(ax)
-    draw_series(axes, dataset, quantity, relaxed, label, color or (style.BLUE if ax is None else _next(axes)))
+    draw_series(axes, dataset, quantity, relaxed, label, color or (style.BLUE if ax is None else None))
     if ax is None and quantity == "area":
         _, _, factor = shown_series(dataset, quantity)
         style.count_nominal_area(axes, 100.0 / (dataset.attrs["sites"] * factor))
     return axes
 
 
-def _next(axes: Axes) -> str:
-    """The next color of the cycle, as a curve drawn without one would have it."""
-    (line,) = axes.plot([], [])
-    line.remove()
-    return to_hex(line.get_color())
+views.defines(History.plot)(lambda history, *ax, **how: plot_history(history.dataset, *ax, **how))
 
 
 def check_series(dataset: xr.Dataset, quantity: str) -> None:
@@ -174,7 +165,7 @@ def draw_series(
     quantity: str,
     relaxed: float | None = None,
     label: str = "",
-    color: str = style.BLUE,
+    color: str | None = style.BLUE,
 ) -> Field:
     """Draw a series that `check_series` accepts; return where its entries are along the time axis."""
     values, name, factor = shown_series(dataset, quantity)
@@ -185,7 +176,8 @@ def draw_series(
         place = time
         axes.set_xscale("log")
         later = time > 0
-        style.curve(axes, time[later], values[later], "o-", color, label or None, zorder=3)
+        curve: Any = style.curve(axes, time[later], values[later], "o-", color, label, zorder=3)
+        color = curve.get_color()  # the next one where none was given
         if not label:
             axes.axhline(values[0], color=style.GRAY, linewidth=0.8, label="at $t$ = 0", zorder=1)
         axes.set_ylabel(name, multialignment="center")

@@ -22,7 +22,7 @@ from asperity.figures.measured import draw_measured
 from asperity.figures.plots import draw_series, pressure_norm
 from asperity.fits import Measurements
 from asperity.fits.measurements import measured_area
-from asperity.prediction.results import Prediction
+from asperity.prediction.results import Growth, Prediction
 from asperity.results.quantities import select
 
 _BINS, _WIDE = 60, 28
@@ -61,26 +61,23 @@ def growth_figure(prediction: Prediction, measured: Measurements | Path | str | 
 @style.panels_of.register
 def _(prediction: Prediction) -> dict[str, style.Panel]:
     time = "time since the loading began [s]" if prediction.ramp else "time under load [s]"
-    draws = {"area": draw_growth} | ({} if prediction.growth is None else {"growth": _draw_decades})
+    panels = {"area": style.Panel(partial(draw_growth, prediction=prediction), time, 3)}
+    if (growth := prediction.growth) is not None:
+        panels["growth"] = style.Panel(partial(_draw_decades, growth=growth), time, 1.6)
     if prediction.friction is not None:
-        draws["friction"] = _draw_friction
-    panels = {
-        kind: style.Panel(partial(draw, prediction=prediction), time, 3 if kind == "area" else 1.6)
-        for kind, draw in draws.items()
-    }
+        panels["friction"] = style.Panel(partial(_draw_friction, prediction=prediction), time, 1.6)
     panels["pressure"] = style.Panel(partial(_draw_pressures, prediction=prediction), "", 2.1)
     panels["contacts"] = style.Panel(partial(_draw_touching, prediction=prediction), "")
-    data = prediction.dataset
-    for name in select("series"):
-        if name in data and name not in panels:
-            panels[name] = style.Panel(partial(draw_series, dataset=data, quantity=name), "")
-    return panels
+    series = {
+        name: style.Panel(partial(draw_series, dataset=prediction.dataset, quantity=name), "")
+        for name in select("series")
+        if name in prediction.dataset
+    }
+    return panels | {name: panel for name, panel in series.items() if name not in panels}
 
 
-def _draw_decades(axes: Axes, prediction: Prediction) -> None:
+def _draw_decades(axes: Axes, growth: Growth) -> None:
     """Draw the growth of the area in each decade, and the band of its mean."""
-    growth = prediction.growth
-    assert growth is not None
     begin, end, slope = np.transpose(growth.decades)
     edges, label = np.append(begin, end[-1]), "decade by decade"
     axes.stairs(100 * slope, edges, baseline=None, color=style.BLUE, linewidth=1.2, label=label)
@@ -99,7 +96,7 @@ def _draw_friction(axes: Axes, prediction: Prediction) -> None:
     friction, label = prediction.friction, "shear strength × area / load"
     assert friction is not None
     style.curve(axes, prediction.time, friction, "o-", style.VERMILION, label, linewidth=1.0)
-    draw_band(axes, prediction, "friction")
+    style.band(axes, prediction.time, *prediction.band("friction"))
     axes.set_xscale("log")
     axes.set_ylabel("static friction $\\mu$")
 
@@ -112,7 +109,8 @@ def draw_growth(axes: Axes, prediction: Prediction) -> None:
     )
     style.curve(axes, prediction.time, counted, "s-", style.GRAY, "raw", linewidth=1.0)
     style.curve(axes, prediction.time, corrected, "o-", style.INK, "corrected for pixel rims", linewidth=1.0)
-    draw_band(axes, prediction, "contact_area_corrected", square)
+    low, high = (square * end for end in prediction.band("contact_area_corrected"))
+    style.band(axes, prediction.time, low, high)
     if (effective := prediction.effective_load) is not None:
         followed = corrected[0] * effective / effective[0]
         label = f"as the {prediction.beside[0]} grows"
@@ -127,13 +125,6 @@ def draw_growth(axes: Axes, prediction: Prediction) -> None:
     axes.set_xscale("log")
     axes.set_ylabel(f"real contact area [{unit}]")
     style.count_nominal_area(axes, 100.0 / (prediction.nominal_area * square))
-
-
-def draw_band(axes: Axes, prediction: Prediction, name: str, factor: float = 1.0) -> None:
-    """Shade the 95 % band of a quantity; nothing where it has none."""
-    low, high = (factor * end for end in prediction.band(name))
-    if not np.isnan(low).all():
-        axes.fill_between(prediction.time, low, high, color=style.SKY, alpha=0.35, lw=0, label="95 % band")
 
 
 @style.drawn

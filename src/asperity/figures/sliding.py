@@ -34,30 +34,25 @@ def sliding_figure(dataset: xr.Dataset) -> style.Drawing:
     values, quantity, per_site = shown_series(dataset, name)
     way = dataset["displacement"].values
     unit = str(dataset["displacement"].attrs["units"])
-    label, factor = style.with_unit("displacement", unit), 1.0
-    if dataset.attrs.get("si"):
-        label, factor = style.scaled("displacement", unit, float(way.max()))
+    label, factor = style.scaled("displacement", unit, float(way.max()))
     way = factor * way
     figure, (axes,) = style.stacked((style.COLUMN, 2.6), 1)
     numbers = numbers_of(dataset)
     shaded = False
     speeds: dict[float, str] = {}
-    resting: str | None = "at rest"
     for row in leg_table(dataset):
         entries = np.flatnonzero(numbers == row.number)
         entries = np.insert(entries, 0, entries[:1] - 1) if entries.size and entries[0] > 0 else entries
-        if not row.leg.speed:
-            axes.plot(way[entries], values[entries], "o-", color=style.INK, markersize=3, label=resting)
-            resting = None
+        speed, words = row.leg.speed, "slides at once" if row.leg.speed else "at rest"
+        if speed and row.leg.duration:
+            words = f"slides at {style.said(dataset, 'velocity', speed)}"
+        named = None if words in axes.get_legend_handles_labels()[1] else words
+        if not speed:
+            axes.plot(way[entries], values[entries], "o-", color=style.INK, markersize=3, label=named)
             continue
-        speed = row.leg.speed
-        words = (
-            f"slides at {style.said(dataset, 'velocity', speed)}" if row.leg.duration else "slides at once"
-        )
         color = speeds.setdefault(speed, _COLORS[len(speeds) % len(_COLORS)])
         place, first = np.unique(way[entries], return_index=True)
         after, before = values[entries[first]], values[entries[np.append(first[1:], entries.size) - 1]]
-        named = None if words in axes.get_legend_handles_labels()[1] else words
         style.curve(axes, place, before, "o-", color, named, linewidth=1.5, markersize=3)
         axes.fill_between(place, after, before, color=color, alpha=0.2, linewidth=0)
         shaded |= bool((after != before).any())

@@ -41,7 +41,7 @@ def steady_sliding_figure(dataset: xr.Dataset) -> style.Drawing:
             axes.plot(speed, factor * dataset[name].values, "o-", color=color, label=label, **look)
         if f"{name}_low" in dataset:
             low, high = (factor * dataset[f"{name}_{end}"].values for end in ("low", "high"))
-            axes.fill_between(speed, low, high, color=color, alpha=0.2, lw=0)
+            style.band(axes, speed, low, high, color, "")
     of_all = "friction_coefficient" in dataset
     above.set_ylabel("friction coefficient" if of_all else "friction coefficient, hysteresis")
     below.set_ylabel("contact [%]")
@@ -50,7 +50,6 @@ def steady_sliding_figure(dataset: xr.Dataset) -> style.Drawing:
         axes.set_xscale("log")
         axes.set_ylim(bottom=0)
         style.finish(axes, legend=axes is above and of_all)
-    figure.align_ylabels([above, below])
     area = float(dataset.attrs["nominal_area"])
     pressure = float(dataset.attrs["load"]) / area
     shown = written(pressure, "Pa") if unit == "m/s" else f"{pressure:.4g}"

@@ -11,24 +11,27 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from os import PathLike
 from typing import IO, Any, Literal, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 import xarray as xr
-from matplotlib import font_manager, rc_context, rcParams
+from matplotlib import rc_context, rcParams
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backend_bases import RendererBase
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
+from matplotlib.textpath import text_to_path
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from asperity.base.checks import Floats
 from asperity.base.readable import printed, readable, written
+from asperity.base.words import counted
 from asperity.lattice import Field
 from asperity.solids import PARAMETERS_OF_LAWS
 
@@ -69,6 +72,8 @@ RESOLUTION = 300
 
 PIXELS: dict[str, Any] = {"interpolation": "antialiased", "rasterized": True}
 """How ``imshow`` draws maps of which a pixel may hold many sites."""
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 _MARGIN = 12.0
 """Kept free beside a text that is as wide as its figure, points."""
@@ -152,15 +157,10 @@ class Drawing(Figure):
     ) -> None:
         """Write the figure, as matplotlib does."""
         suffix = str(kwargs.get("format") or getattr(fname, "name", fname)).rpartition(".")[2].lower()
-        title = self._suptitle if suffix in ("pdf", "svg", "eps") else None  # type: ignore[attr-defined]
-        if title is not None:
-            title.set(visible=False, in_layout=False)
-        try:
-            with rc_context(_AS_TEXT):
-                super().savefig(fname, transparent=transparent, **{"dpi": RESOLUTION, **kwargs})
-        finally:
-            if title is not None:
-                title.set(visible=True, in_layout=True)
+        title: Any = self._suptitle if suffix in ("pdf", "svg", "eps") else None  # type: ignore[attr-defined]
+        untitled = nullcontext() if title is None else title._cm_set(visible=False, in_layout=False)
+        with untitled, rc_context(_AS_TEXT):
+            super().savefig(fname, transparent=transparent, **{"dpi": RESOLUTION, **kwargs})
 
     def draw(self, renderer: RendererBase) -> None:
         """Draw the figure; letters of ticks that appear only now are as those that it began with."""
@@ -190,7 +190,7 @@ def fitted(text: str, width: float, size: float = 8) -> str:
 
     Width and font size are in points. Write the result with `verbatim`.
     """
-    font = font_manager.get_font(font_manager.findfont(font_manager.FontProperties()))
+    font = get_font(findfont(FontProperties()))
     letters = "".join(c if font.get_char_index(ord(c)) else "?" for c in " ".join(text.split()))
     if _width(letters, size) > width:
         while letters and _width(f"{letters}…", size) > width:
@@ -215,6 +215,7 @@ def stacked(size: tuple[float, float], *ratios: float) -> tuple[Drawing, list[Ax
     """Make a figure, of this size in inches, with panels of these heights above a common axis."""
     figure = Drawing(figsize=size)
     grid = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios, squeeze=False)
+    figure.align_ylabels(grid)
     return figure, list(grid[:, 0])
 
 
@@ -248,31 +249,26 @@ def figure_of(panels: Iterable[Panel]) -> tuple[Drawing, list[Axes]]:
 def conditions(dataset: xr.Dataset, prescribed: str = "") -> list[str]:
     """Name the surface, the prescribed quantity, by default the load at first, and the solid."""
     attrs = dataset.attrs
-
-    def say(name: str, unit: str) -> str:
-        return written(attrs[name], (attrs.get("si") and unit) or "1")
-
     origin = json.loads(attrs.get("surface", "{}"))
     source = str(origin.get("file") or str(origin.get("kind", "")).replace("_", "-"))
     prescribed = prescribed or f"load {said(dataset, 'load', float(dataset['load'].values[0]))} at first"
     lattice = " × ".join(str(n) for n in dataset["heights"].shape)
-    parts = [*([source] if source else []), f"{lattice} sites", prescribed]
-    if "modulus" in attrs:
-        parts.append(f"{str(attrs['solid']).replace('_', '-')}, E* = {say('modulus', 'Pa')}")
-        if "thickness" in attrs:
-            parts.append(f"thickness {say('thickness', 'm')}")
-        if count := len(json.loads(attrs.get("branches", "[]"))):
-            parts.append(f"{count} relaxation time{'s' * (count > 1)}")
-    springs = [name for name in ("k0", "k1", "R") if name in attrs]
-    springs += ["R_viscous"] * (float(attrs.get("R_viscous", 0)) > 0)
-    parts += [f"{name} = {float(attrs[name]):g}" for name in springs]
-    laws = PARAMETERS_OF_LAWS.items()
-    parts += [f"{row.symbol} = {say(name, row.unit)}" for name, row in laws if name in attrs]
-    if "permanent" in attrs:
-        parts.append(f"permanent share {float(attrs['permanent']):g}")
-    if "hardness" in attrs:
-        parts.append(f"hardness = {say('hardness', 'Pa')}")
-    return parts
+    numbers = {
+        "modulus": (f"{str(attrs.get('solid')).replace('_', '-')}, E* =", "Pa"),
+        "thickness": ("thickness", "m"),
+        **{name: (f"{name} =", "1") for name in ("k0", "k1", "R", "R_viscous")},
+        **{name: (f"{law.symbol} =", law.unit) for name, law in PARAMETERS_OF_LAWS.items()},
+        "permanent": ("permanent share", "1"),
+        "hardness": ("hardness =", "Pa"),
+    }
+    of_solid = [
+        f"{words} {written(attrs[name], (attrs.get('si') and unit) or '1')}"
+        for name, (words, unit) in numbers.items()
+        if name in attrs and (attrs[name] or name != "R_viscous")
+    ]
+    if count := len(json.loads(attrs.get("branches", "[]"))):
+        of_solid.append(counted(count, "relaxation time"))
+    return [*filter(None, [source]), f"{lattice} sites", prescribed, *of_solid]
 
 
 def entitle(figure: Drawing, title: str, parts: list[str]) -> None:
@@ -284,6 +280,10 @@ def finish(axes: Axes, *, legend: bool = True, lines_along: Literal["x", "y", "b
     """Draw the grid behind what is drawn, and explain the curves that have a name."""
     axes.grid(visible=True, axis=lines_along, color="0.9", linewidth=0.6)
     axes.set_axisbelow(True)
+    for axis in (axes.xaxis, axes.yaxis):  # within a decade matplotlib labels minor ticks, which overlap
+        low, high = axis.get_view_interval()
+        if axis.get_scale() == "log" and 0 < low <= high <= 10 * low:
+            few_ticks(axis)
     if legend and axes.get_legend_handles_labels()[1]:
         axes.legend(loc="best", framealpha=0.95)
 
@@ -304,8 +304,11 @@ def said(dataset: xr.Dataset, name: str, value: float, digits: int = 6) -> str:
 
 
 def spaced(text: str) -> str:
-    """Write number and unit: with a space that does not break, and the letter of micro."""
+    """Write number and unit as they are printed: "2.5 × 10⁷ s", with spaces that do not break."""
     number, _, unit = text.partition(" ")
+    mantissa, e, ten = number.partition("e")
+    if e and unit:
+        number = f"{mantissa}\u00a0×\u00a010{str(int(ten)).translate(_RAISED)}".removeprefix("1\u00a0×\u00a0")
     return f"{number}\u00a0{spelled(unit)}" if unit else number
 
 
@@ -330,10 +333,18 @@ def bar_of_pressures(figure: Figure | SubFigure, image: ScalarMappable, panels: 
     few_ticks(bar.ax.yaxis)
 
 
-def curve(axes: Axes, x: Field, y: Field, look: str, color: str, label: str | None, **more: Any) -> None:
+def curve(
+    axes: Axes, x: Field, y: Field, look: str, color: Any, label: str | None = "", **more: Any
+) -> Line2D:
     """Draw computed values with open marks, joined or not; look and more are as matplotlib has them."""
-    usual = {"linewidth": 1.2, "markersize": 4, "markerfacecolor": "white"}
-    axes.plot(x, y, look, color=color, label=label, **{**usual, **more})
+    usual: Any = {"linewidth": 1.2, "markersize": 4, "markerfacecolor": "white"}
+    return axes.plot(x, y, look, color=color, label=label or None, **usual | more)[0]
+
+
+def band(axes: Axes, x: Field, low: Field, high: Field, color: Any = SKY, label: str = "95 % band") -> None:
+    """Shade the band of a curve, where it is known."""
+    if not np.isnan(low).all():
+        axes.fill_between(x, low, high, color=color, alpha=0.35, linewidth=0, label=label)
 
 
 def show_map(axes: Axes, field: Field, pixel: Sequence[float], unit: str, **look: Any) -> AxesImage:
@@ -364,10 +375,7 @@ def count_nominal_area(axes: Axes, percent: float) -> None:
 
 def _width(text: str, size: float) -> float:
     """Width of a line, points."""
-    font = font_manager.get_font(font_manager.findfont(font_manager.FontProperties()))
-    font.set_size(size, 72)
-    font.set_text(text)
-    return float(font.get_width_height()[0]) / 64
+    return text_to_path.get_text_width_height_descent(text, FontProperties(size=size), False)[0]
 
 
 def verbatim(text: str) -> str:

@@ -12,7 +12,7 @@ from asperity.fits.comparison import Comparison
 from asperity.fits.laws import LogarithmFit, SaturationFit
 from asperity.fits.measured import MeasuredGrowth
 from asperity.fits.rate import GrowthRate
-from asperity.fits.result import FitResult
+from asperity.fits.result import FitResult, parameters_of
 
 UNDETERMINED = "not determined by these times"
 _PER_DECADE = math.log(10)
@@ -83,6 +83,11 @@ def _row(text: str, fit: FitResult, name: str, *, factor: float = 1.0, unit: str
     (value, stderr), (low, high) = fit.known(name), fit.interval(name)
     interval = (factor * low, factor * high) if math.isfinite(high) else None
     return Row(f"  {text}", factor * value, unit, interval, error=factor * stderr)
+
+
+def rows_of_law(fit: FitResult) -> list[Row]:
+    """Rows of the parameters of one law and its misfit."""
+    return [*(_row(name, fit, name) for name in parameters_of(fit)), _goodness(fit)]
 
 
 def _goodness(fit: FitResult) -> Row:

@@ -7,13 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from asperity.analysis.bands import rows_of_maps
-from asperity.analysis.rows import carried_rows, worst_residual
+from asperity.analysis.rows import carried_rows, surface_rows, worst_residual, yielding_rows
 from asperity.base import views
 from asperity.base.readable import written
 from asperity.base.rows import Row
-from asperity.base.words import counted, thousands
+from asperity.base.words import counted
 from asperity.prediction.results import Prediction
-from asperity.surfaces.provenance import understood
 
 
 @views.defines(Prediction.rows)
@@ -29,17 +28,14 @@ def rows_of(prediction: Prediction, /) -> list[Row]:
         *_resolution(prediction),
         *carried_rows(prediction.dataset.isel(time=slice(1 + loaded, None))),
         *_observed(prediction),
-        *_yielded(prediction),
+        *yielding_rows(prediction.dataset),
         worst_residual(prediction.dataset),
     ]
 
 
 def _origin(prediction: Prediction) -> Iterator[Row]:
     scan, fit = prediction.origin, prediction.fit
-    pixels = " x ".join(map(str, prediction.dataset["heights"].shape))
-    sides = " x ".join(written(side, "m", 4) for side in prediction.spacing)
-    yield Row("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels of {sides}")
-    yield from understood(scan)
+    yield from surface_rows(scan, prediction.dataset["heights"].shape, prediction.spacing)
     if fit is not None:
         begin, end = fit.data.span
         yield from [Row("read", fit.data.source)] * bool(fit.data.source)
@@ -133,12 +129,3 @@ def _observed(prediction: Prediction) -> Iterator[Row]:
         seen = prediction.observed[place]
         note = f", patches: {seen.patches.count}"
         yield Row(f"observed {which}", seen.area, "m^2", note=note, digits=4)
-
-
-def _yielded(prediction: Prediction) -> Iterator[Row]:
-    if prediction.solid.yields:
-        lowered = prediction.dataset["permanent_indentation"].values
-        begun, remaining = (int((lowered[place] > 0).sum()) for place in (0, -1))
-        text = f"{counted(begun, 'pixel')} permanently lowered at first, {thousands(remaining)} at last"
-        text += f", by up to {written(float(lowered[-1].max()), 'm')}" if remaining else ""
-        yield Row("yields", text)

@@ -27,11 +27,12 @@ from asperity.carried import Carried
 from asperity.contact import Contact, Load, Separation
 from asperity.contact.problem import ContactSolver
 from asperity.errors import CheckpointError
-from asperity.lattice import Field
+from asperity.lattice import Field, Lattice
 from asperity.progress import Checkpoint
 from asperity.protocols.schedule import Schedule
 from asperity.results.dataset import Moment, Snapshot
 from asperity.results.store import whole_file
+from asperity.solids import Solid
 
 
 class Keeper:
@@ -143,17 +144,21 @@ def fingerprint_of(
     carried: Carried | None = None,
 ) -> bytes:
     """Hash of all inputs of a history."""
-    solid = start.solid
-    laws = () if solid.springs else tuple(vars(solid.on(start.lattice.embedding)).values())
-    facts: list[object] = [start.control, start.lattice, schedule]
-    facts += [solid.springs, rtol, solver, exact]
-    if carried is not None:
-        facts.append(carried)
-    facts += [law.fingerprint() for law in (solid.creep, solid.adhesion) if law is not None]
-    if solid.yields:
-        facts += [solid.hardness, start.permanent_indentation.sum()]
-    digest = hashlib.sha256(repr(tuple(facts)).encode())
-    for array in (start.heights, start.u, start.anchors, *laws, times, fields_at):
+    facts = start.control, schedule, rtol, solver, exact, carried, start.permanent_indentation.sum()
+    solid = fingerprint_of_solid(start.solid, start.lattice)
+    return solid + _hash(facts, start.heights, start.u, start.anchors, times, fields_at)
+
+
+def fingerprint_of_solid(solid: Solid, lattice: Lattice) -> bytes:
+    """Hash of a lattice and of all that a solid is on it: numbers, spectra and laws."""
+    spectra = () if solid.springs else vars(solid.on(lattice.embedding)).values()
+    laws = [law.fingerprint() for law in (solid.creep, solid.adhesion) if law is not None]
+    return _hash((lattice, solid.springs, solid.hardness, *laws), *spectra)
+
+
+def _hash(facts: tuple[object, ...], *arrays: NDArray[Any]) -> bytes:
+    digest = hashlib.sha256(repr(facts).encode())
+    for array in arrays:
         digest.update(f"{array.shape} {array.dtype}".encode())
         digest.update(np.ascontiguousarray(array).tobytes())
     return digest.digest()

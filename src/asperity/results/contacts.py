@@ -20,7 +20,7 @@ from asperity.contact.system import System
 from asperity.errors import InputError
 from asperity.lattice import Lattice
 from asperity.patches import patches
-from asperity.results.dataset import attributes_of, attributes_of_solid, coordinates_of, describe
+from asperity.results.dataset import attributes_of, attributes_of_solid, coordinates_of, describe_recorded
 from asperity.results.quantities import had_by, units_of
 from asperity.results.store import load, save
 from asperity.solids import Solid
@@ -42,7 +42,7 @@ def contact_dataset(contact: Contact) -> xr.Dataset:
         {name: (("branch", *sites)[-field.ndim :], field) for name, field in maps.items()} | numbers,
         dict(zip(sites, coordinates_of(contact), strict=True)),
     )
-    describe(dataset, contact)
+    describe_recorded(dataset, contact)
     return dataset.assign_attrs({"title": "A rough contact", **attributes_of(contact, contact.control)})
 
 

@@ -20,7 +20,7 @@ from asperity.patches import QUANTILES, clustering_box, map_series, quantiles
 from asperity.protocols import Leg
 from asperity.protocols.legs import described, in_words
 from asperity.results.parameters import Plain, plain, units_of_parameters
-from asperity.results.quantities import had_by, select, units_of
+from asperity.results.quantities import describe, had_by, select, units_of
 from asperity.solids import Solid
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def dataset_of(
         dataset = dataset.assign_coords(leg=("time", [int(row["leg"]) for row in rows]))
     if snapshots:
         dataset = _with_fields(dataset, start, snapshots, slides=slides, legs=protocol is not None)
-    describe(dataset, start)
+    describe_recorded(dataset, start)
     attributes = {"title": "Aging of a rough contact", "rtol": rtol, **attributes_of(start, control)}
     if keeps_area:
         attributes |= {"held": "area", "held_area": start.area}
@@ -155,13 +155,10 @@ def coordinates_of(contact: Bodies) -> list[NDArray[Any]]:
     return [step * np.arange(n) for step, n in zip(steps, lattice.shape, strict=True)]
 
 
-def describe(dataset: xr.Dataset, contact: Contact) -> None:
-    """Add long names and units."""
-    units = units_of(contact)
-    for name, quantity in (had_by(contact, slides=True) | select(of=["carried", "friction"])).items():
-        if name in dataset.variables:
-            unit = units.get(quantity.dimension, quantity.dimension)
-            dataset[name].attrs.update(long_name=quantity.long_name, units=unit)
+def describe_recorded(dataset: xr.Dataset, contact: Contact) -> None:
+    """Add long names and units of all that is recorded of a contact."""
+    recorded = had_by(contact, slides=True) | select(of=["carried", "friction"])
+    describe(dataset, {name: quantity.facts for name, quantity in recorded.items()}, units_of(contact))
 
 
 def attributes_of(contact: Contact, control: Control) -> dict[str, Plain]:

@@ -14,8 +14,7 @@ from asperity.results.quantities import Units, select
 from asperity.solids import PARAMETERS_OF_LAWS
 
 _RECORDED = {
-    name: (quantity.long_name, quantity.dimension)
-    for name, quantity in select("series", of=("all", "sites", "sliding")).items()
+    name: quantity.facts for name, quantity in select("series", of=("all", "sites", "sliding")).items()
 }
 _BRANCHES = {
     "branch_shares": ("share of the modulus of each branch", "1"),

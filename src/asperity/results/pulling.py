@@ -11,7 +11,7 @@ import numpy as np
 from asperity.base import views
 from asperity.contact import Contact
 from asperity.errors import InputError
-from asperity.results.dataset import attributes_of, describe
+from asperity.results.dataset import attributes_of, describe_recorded
 from asperity.results.quantities import had_by
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class Pull(views.InNotebooks):
         series["approach"] = ("state", np.array([start.separation - state.separation for state in states]))
         retreats, words = np.arange(len(states)) >= len(approach), "whether it is of the retreat"
         curve = xr.Dataset(series, {"retreat": ("state", retreats, {"long_name": words})})
-        describe(curve, start)
+        describe_recorded(curve, start)
         facts = {"title": "Bodies pulled apart", **attributes_of(start, retreat[-1].control)}
         last = next(state for state in reversed(retreat) if state.area or state is start)
         return cls(curve.assign_attrs(facts), last)

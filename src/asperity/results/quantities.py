@@ -10,10 +10,13 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from enum import Flag, auto
 from functools import partial
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from asperity.contact import Contact
 from asperity.contact.bodies import Bodies
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Home = Literal["coordinate", "series", "field", "contact", "map"]
 Of = Literal["all", "sites", "continua", "yielding", "sliding", "friction", "carried"]
@@ -65,11 +68,16 @@ class Quantity:
     def __post_init__(self) -> None:
         object.__setattr__(self, "label", self.label or self.name.replace("_", " "))
 
+    @property
+    def facts(self) -> tuple[str, str]:
+        """Long name and dimension."""
+        return self.long_name, self.dimension
+
 
 _RESULT, _SHOWN, _SOLVED, _ALL = RUN | CAMPAIGN, RUN | PAGE | CAMPAIGN, RUN | PREDICT | CAMPAIGN, ~_NONE
 _field, _coordinate = partial(Quantity, home="field"), partial(Quantity, home="coordinate")
+_carried = partial(Quantity, tables=_ALL, of="carried")
 _of_map = partial(Quantity, home="map", tables=_RESULT)
-_MEAN_U0 = "separation, the mean of u0"
 _POSITION = "separation, the position of the body; without an apparatus and free edges, the mean of u"
 _AREA = "real contact area"
 _RIM = f"{_AREA}, corrected for pixel rims"
@@ -84,7 +92,6 @@ _STRENGTH = "shear strength, mean over the sites in contact"
 _RENEWED = "age of the sites in contact, which slip renews"
 _STIFF = "normal contact stiffness, instantaneous, at fixed contacts"
 _STIFF_ACROSS = "tangential contact stiffness, before anything slips"
-_OHMIC = "electrical resistance of the constrictions"
 _PULLED = "pull-off force, the largest tension if pulled apart instantly at that time"
 _LOWER = "by how much the rough surface is lower where it has yielded"
 _LARGEST = "size of the largest patch"
@@ -96,7 +103,7 @@ QUANTITIES: tuple[Quantity, ...] = (
     _coordinate("time", "time", "hold time", RUN | PREDICT | PAGE, symbol="t"),
     Quantity("area", "sites", _AREA, _SHOWN, symbol="A, N(t)", label="contact area", whole=True),
     Quantity("load", "force", "normal load, the sum of the contact forces", _ALL, symbol="F_N"),
-    Quantity("separation", "length", _MEAN_U0, _SHOWN, "sites", symbol="mean u⁰"),
+    Quantity("separation", "length", "separation, the mean of u0", _SHOWN, "sites", symbol="mean u⁰"),
     Quantity("separation", "length", _POSITION, _SHOWN, "continua"),
     Quantity("energy", "energy", "elastic energy, and that of adhesion", _RESULT, symbol="E, Eq. (1)"),
     Quantity("approach", "length", "rigid approach of the bodies since the start", _SOLVED),
@@ -122,23 +129,21 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("friction_by_area", "1", f"{_COEFFICIENT}, without growth with age", _RESULT, "friction"),
     Quantity("strength_mean", "pressure", _STRENGTH, _RESULT, "friction", label="mean strength"),
     Quantity("contact_age_mean", "time", f"mean {_RENEWED}", _RESULT, "friction", label="mean contact age"),
-    Quantity("normal_stiffness", "stiffness", _STIFF, _ALL, "carried", symbol="kₙ"),
-    Quantity("tangential_stiffness", "stiffness", _STIFF_ACROSS, _ALL, "carried", symbol="kₜ"),
+    _carried("normal_stiffness", "stiffness", _STIFF, symbol="kₙ"),
+    _carried("tangential_stiffness", "stiffness", _STIFF_ACROSS, symbol="kₜ"),
     *(
-        Quantity(
+        _carried(
             f"tangential_stiffness_{kind}",
             "stiffness",
-            f"{_STIFF_ACROSS}, {kind}est direction",
-            _ALL,
-            "carried",
-            label=f"tangential stiffness, {kind}est direction",
+            f"{_STIFF_ACROSS}, {way}",
+            label=f"tangential stiffness, {way}",
         )
-        for kind in ("soft", "stiff")
+        for kind, way in (("soft", "softest direction"), ("stiff", "stiffest direction"))
     ),
-    Quantity("resistance", "ohm", _OHMIC, _ALL, "carried", symbol="R_c"),
-    Quantity("thermal_resistance", "K/W", "thermal resistance of the constrictions", _ALL, "carried"),
-    Quantity("stick_fraction", "1", "share of the contact that sticks under shear", _ALL, "carried"),
-    Quantity("pull_off", "force", _PULLED, _ALL, "carried", label="pull-off force"),
+    _carried("resistance", "ohm", "electrical resistance of the constrictions", symbol="R_c"),
+    _carried("thermal_resistance", "K/W", "thermal resistance of the constrictions"),
+    _carried("stick_fraction", "1", "share of the contact that sticks under shear"),
+    _carried("pull_off", "force", _PULLED, label="pull-off force"),
     _coordinate("leg", "1", "leg of the history, from 0", RUN | PAGE, whole=True),
     _coordinate("heights", "length", "height of the rigid rough surface", symbol="ξ(r)"),
     _field("u", "length", "height of the elastic surface", symbol="u(r), Eq. (1)"),
@@ -246,6 +251,13 @@ def units_of(contact: Bodies) -> Units:
     if contact.lattice.dimension == 1:
         return units | {"rim": "1"} | (_SI_OF_A_LINE if units is _SI else {})
     return units | {"rim": units["place"]}
+
+
+def describe(dataset: xr.Dataset, facts: Mapping[str, tuple[str, str]], units: Units) -> None:
+    """Give the variables of a Dataset their long names and units, from long names and dimensions."""
+    for name in facts.keys() & dataset.variables.keys():
+        long_name, dimension = facts[name]
+        dataset[name].attrs.update(long_name=long_name, units=units.get(dimension, dimension))
 
 
 def units_named(named: Mapping[str, str]) -> Units:

@@ -10,7 +10,7 @@ in contact: see `ShearStrength`.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from asperity.ask.strength import ShearStrength
 from asperity.base import checks, units
 from asperity.base.checks import Floats
 from asperity.errors import InputError
-from asperity.results.quantities import select, units_named
+from asperity.results.quantities import describe, select, units_named
 from asperity.theory import static_friction
 
 if TYPE_CHECKING:
@@ -69,12 +69,9 @@ def with_friction(dataset: xr.Dataset, law: ShearStrength, grown: Floats | None 
         by_area = static_friction(touching, carried, law.at(speeds))
         series |= {"friction_by_area": by_area, "strength_mean": strength}
     named = units_named({name: dataset[name].attrs["units"] for name in ("time", "load")})
-    columns: dict[str, Any] = {}
-    for name, values in series.items():
-        quantity = select("series", of=("friction",))[name]
-        facts = {"long_name": quantity.long_name, "units": named.get(quantity.dimension, quantity.dimension)}
-        columns[name] = load.dims, values, facts
-    return dataset.assign(columns).assign_attrs(
+    dataset = dataset.assign({name: (load.dims, values) for name, values in series.items()})
+    describe(dataset, {name: select("series")[name].facts for name in series}, named)
+    return dataset.assign_attrs(
         shear_strength=law.strength,
         **{name: x for name, x in vars(law).items() if name != "strength" and x is not None},
     )
