@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import copy
 import copyreg
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 __all__ = [
     "AsperityError",
@@ -69,6 +69,13 @@ class Name(str):
 
 Words = str | tuple[str, ...]
 """Part of a message; a tuple is joined, and a `Name` in it becomes a flag or a key."""
+
+
+def named(names: Iterable[str], between: str = ", ") -> tuple[str, ...]:
+    """Arguments or keys within a message; "none" where there are none."""
+    parts = [part for name in names for part in (between, Name(name))]
+    return tuple(parts[1:]) or ("none",)
+
 
 Spell = Callable[[str], str]
 Value = str | float | bool | list[int]

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from annotated_types import Gt, Len
 
 from asperity.ask.strength import ShearStrength
 from asperity.base import checks
-from asperity.base.parameters import Quantity
-from asperity.errors import InputError
+from asperity.base.parameters import Needs, Quantity, check_needs
 
 Each = float | str | Sequence[float | str]
 """A number or a text with a unit, of the half-space and perhaps of the rough body."""
@@ -53,6 +52,8 @@ class Carried:
     InputError
         Only one of shear and friction is given, or the strength is none.
     """
+
+    needs: ClassVar[Needs] = (("shear", ("friction",)), ("friction", ("shear",)))
 
     strength: ShearStrength | None = None
     stiffness: Annotated[
@@ -105,9 +106,7 @@ class Carried:
             checks.instance(
                 "strength", self.strength, ShearStrength, "asperity.friction.ShearStrength('50 MPa')"
             )
-        if (self.shear is None) != (self.friction is None):
-            got = "friction" if self.shear is None else "shear"
-            raise InputError("shear and friction", expected="both or none of them", got=f"{got} alone")
+        check_needs(self, self.needs)
 
     @property
     def responds(self) -> bool:

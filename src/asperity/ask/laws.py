@@ -2,27 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Literal
 
 from asperity.ask.section import Keys
+from asperity.base.checks import any_of
 from asperity.base.parameters import Parameter, Quantity, parameters_of
 from asperity.creep import Eyring
-from asperity.errors import Name
 from asperity.solids import LAWS
-
-
-def any_of(words: Iterable[str]) -> str:
-    """Words of which one is meant: ``one, two or three``."""
-    *some, last = words
-    return f"{', '.join(some)} or {last}" if some else last
-
-
-def named(keys: Iterable[str], between: str = ", ") -> tuple[str, ...]:
-    """Keys for a message, as each door writes them."""
-    parts = [part for key in sorted(keys) for part in (between, Name(key))]
-    return tuple(parts[1:]) or ("none",)
-
 
 FORMULAS = {
     kind: any_of(f"{name}, {law.formula}" for name, law in laws.items()) for kind, laws in LAWS.items()

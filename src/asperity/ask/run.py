@@ -10,13 +10,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal, cast
 
 from annotated_types import Ge, Gt, Le, Len
 
 from asperity.ask.carried import Carried as CarriedQuantities
 from asperity.ask.legs import read_legs
-from asperity.ask.section import KINDS, Keys, Section, SectionError, arguments_of, keys_of_maker, unknown_key
+from asperity.ask.section import KINDS, Section, SectionError, arguments_of, keys_of_maker, unknown_key
 from asperity.ask.solid import SOLIDS, SolidSection
 from asperity.ask.strength import ShearStrength
 from asperity.ask.surface import SURFACES, SurfaceSection
@@ -49,6 +49,7 @@ class Contact(Section):
     """A load, a pressure or a separation; by default about 1 % of the surface touches."""
 
     section = "contact"
+    ways = (({"load"}, {"pressure"}, {"separation"}),)
 
     load: Annotated[
         float | None,
@@ -62,17 +63,12 @@ class Contact(Section):
         float | None, Quantity("mean height of the undeformed solid", "m", more=", in place of the load.")
     ] = None
 
-    def check(self) -> None:
-        """Refuse two of the three."""
-        if len(names := list(self.table)) > 1:
-            got = "both" if len(names) == 2 else "all"
-            raise self.wrong(expected=f"{', '.join(names[:-1])} or {names[-1]}", got=got)
-
 
 class Aging(Section):
     """The times to record ([0.0]: only the start and the limit), the constant quantity, and the tolerance."""
 
     section = "aging"
+    ways = (({"times"}, {"first", "last", "per_decade"}),)
 
     first: Annotated[_Span, Quantity("first time to record", "s", more=". " + _USUAL_FIRST, swept=False)] = (
         None
@@ -97,11 +93,8 @@ class Aging(Section):
 
     def check(self) -> None:
         """Refuse listed times beside a span, and times that do not increase."""
-        if self.times is None:
-            return
-        if rivals := self.stated & {"first", "last", "per_decade"}:
-            raise self.wrong(expected=f"times or {', '.join(sorted(rivals))}", got="both")
-        for earlier, later in pairwise(self.times):
+        super().check()
+        for earlier, later in pairwise(self.times or []):
             if later <= earlier:
                 got = f"{later:g} after {earlier:g}"
                 raise self.wrong("times", expected="strictly increasing times", got=got)
@@ -110,43 +103,28 @@ class Aging(Section):
 class Friction(Section):
     """The shear strength that gives friction from the contact area; none by default."""
 
-    section = "friction"
-    keys: ClassVar[Keys] = {name: one.optional for name, one in keys_of_maker(ShearStrength).items()}
+    section, makes = "friction", ShearStrength
+    needs = tuple(
+        (key, ("shear_strength",)) for key in sorted(keys_of_maker(ShearStrength)) if key != "shear_strength"
+    )
 
     @property
     def strength(self) -> ShearStrength | None:
         """The shear strength, if there is one."""
-        return ShearStrength(**arguments_of(ShearStrength, self)) if self.stated & self.table.keys() else None
-
-    def check(self) -> None:
-        """Refuse a rate without a strength, or without its velocity."""
-        if self.table and self.shear_strength is None:
-            expected = (Name("shear_strength"), " beside it")
-            raise self.wrong(min(self.table), expected=expected, got="none")
-        try:
-            _ = self.strength
-        except InputError as error:
-            raise error.about(error.name, "friction", error.name) from None
+        return cast(ShearStrength | None, self.made())
 
 
 class Carried(Section):
     """Stiffness, resistances, stick and pull-off of the contact on a half-space, recorded at each time."""
 
-    section = "carried"
-    keys: ClassVar[Keys] = keys_of_maker(CarriedQuantities)
-
-    def check(self) -> None:
-        """Refuse a shear force without a coefficient, and the other way round."""
-        names = ("shear", "friction_coefficient")
-        if (self.shear is None) != (self.friction_coefficient is None):
-            other, name = names if self.shear is None else names[::-1]
-            raise self.wrong(name, expected=(Name(other), " beside it"), got="none")
+    section, makes = "carried", CarriedQuantities
 
 
 class Output(Section):
     """Maps, figures, and an instrument."""
 
     section = "output"
+    needs = (("threshold", ("pixel", "blur")),)
 
     maps_at: Annotated[
         Sequence[_Time] | None,
@@ -195,9 +173,7 @@ class Output(Section):
 
     def check(self) -> None:
         """Refuse a threshold without an instrument, and an instrument without maps."""
-        if self.threshold is not None and self.pixel is None and self.blur is None:
-            expected = (Name("pixel"), " or ", Name("blur"), " beside it")
-            raise self.wrong("threshold", expected=expected, got="neither")
+        super().check()
         if self.maps_at == [] and self.instrument:
             name = next(iter(self.instrument))
             raise self.wrong(name, expected="maps to look at", got="maps_at = []")

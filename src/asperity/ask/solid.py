@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, cast, get_args
 
 from annotated_types import Gt, Le, Len
 
-from asperity.ask.laws import ACTIVATED, ACTIVATION, KEYS, KEYS_OF_LAWS, OF_LAWS, any_of, named
+from asperity.ask.laws import ACTIVATED, ACTIVATION, KEYS, KEYS_OF_LAWS, OF_LAWS
 from asperity.ask.section import Keys, Section, arguments_of, keys_of_maker
 from asperity.base.calls import outside
+from asperity.base.checks import any_of
 from asperity.base.files import expanded
 from asperity.base.parameters import Law, Parameter, Quantity, parameters_of
 from asperity.creep import Eyring
-from asperity.errors import InputError, Name, Words
+from asperity.errors import InputError, Name, Words, named
 from asperity.relaxation import Fit, Material, material
 from asperity.solids import KINDS, LAWS, Solid
 from asperity.solids.arguments import POISSON, Branches
@@ -89,6 +90,11 @@ class SolidSection(Section):
     """A solid, of one kind or another."""
 
     section = "solid"
+    ways = (
+        ({"modulus"}, {"young"}),
+        ({"branches"}, {"relaxation"}, {"flow"}, {"draws"}),
+        (ACTIVATION, {"creep_rate", "creep_stress"}),
+    )
 
     @property
     def make(self) -> Callable[..., Solid]:
@@ -125,10 +131,8 @@ class SolidSection(Section):
                 vars(self)[law] = None
             self._check_law(law)
         self._check_data()
-        try:
+        with self.located():
             self.build()
-        except InputError as error:
-            raise error.about(error.name, "solid", *[error.name] * (error.name in self.keys)) from None
 
     @property
     def material(self) -> Material:
@@ -147,12 +151,12 @@ class SolidSection(Section):
         ways = [way for way in kinds.get(law or "", []) if way <= self.keys.keys()]
         if law is None and given:
             laws = [name for name, ways in kinds.items() if given <= set().union(*ways)]
-            expected: Words = (any_of(laws or kinds), " beside ", *named(given))
+            expected: Words = (any_of(laws or kinds), " beside ", *named(sorted(given)))
             foreign = given | ({"permanent"} if getattr(self, "permanent", None) is not None else set())
-            advice: Words = ("to drop ", *named(foreign)) if kind in self.stated else ""
+            advice: Words = ("to drop ", *named(sorted(foreign))) if kind in self.stated else ""
             raise self.wrong(kind, expected=expected, got="none", advice=advice)
         if law is not None and given not in ways:
-            options = [part for way in ways for part in (" or ", *named(way))][1:]
+            options = [part for way in ways for part in (" or ", *named(sorted(way)))][1:]
             raise self.wrong(
                 kind, expected=(*options, f" beside {law}"), got=", ".join(sorted(given)) or "none"
             )

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.base import checks
 from asperity.base.parameters import Checked, Quantity
-from asperity.errors import LARGEST, InputError, Name
+from asperity.errors import LARGEST, InputError
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,13 @@ class ShearStrength(Checked):
         D > 0, the slip, length, that renews a contact; needed with `after`.
     """
 
+    needs = (
+        ("rate_coefficient", ("reference_velocity",)),
+        ("growth", ("after",)),
+        ("after", ("renewal",)),
+        ("renewal", ("after",)),
+    )
+
     strength: Annotated[
         float,
         *(Ge(1 / LARGEST), Le(LARGEST)),
@@ -47,6 +54,7 @@ class ShearStrength(Checked):
             "shear strength of the contacts",
             "Pa",
             key="shear_strength",
+            usual=None,
             more="; on the lattice of springs, force per site.",
         ),
     ]
@@ -81,18 +89,6 @@ class ShearStrength(Checked):
         Ge(1 / LARGEST),
         Quantity("slip that renews a contact", "m", dimension="place", more="; its age then begins anew."),
     ] = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        needs = {
-            "rate_coefficient": "reference_velocity",
-            "growth": "after",
-            "after": "renewal",
-            "renewal": "after",
-        }
-        for name, other in needs.items():
-            if getattr(self, name) and getattr(self, other) is None:
-                raise InputError(name, expected=(Name(other), " beside it"), got="none")
 
     @property
     def ages(self) -> bool:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from datetime import timedelta
 from decimal import Decimal
@@ -122,10 +122,15 @@ def choice(name: str, value: object, choices: Sequence[object]) -> Any:
     """One of the choices; `InputError`, with the nearest of them, for anything else."""
     if value in choices:
         return value
-    *some, last = map(repr, choices)
     meant = closest(value, map(str, choices)) if isinstance(value, str) else None
-    expected = f"one of {', '.join(some)} or {last}" if some else last
+    expected = f"{'one of ' * (len(choices) > 1)}{any_of(map(repr, choices))}"
     raise InputError(name, expected=expected, got=shown(value), cure={name: meant} if meant else {})
+
+
+def any_of(words: Iterable[str]) -> str:
+    """Words of which one is meant: ``one, two or three``."""
+    *some, last = words
+    return f"{', '.join(some)} or {last}" if some else last
 
 
 def switch(name: str, value: object) -> bool:

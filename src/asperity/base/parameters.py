@@ -19,7 +19,7 @@ from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origi
 from annotated_types import Ge, Gt, Le, Len, Lt
 
 from asperity.base import checks, units
-from asperity.errors import InputError
+from asperity.errors import InputError, named
 
 
 @dataclasses.dataclass(frozen=True)
@@ -261,8 +261,22 @@ def item_of(kind: Any) -> Any:
     return args[0] if origin is Sequence or (origin is tuple and args[1:] == (...,)) else None
 
 
+Needs = tuple[tuple[str, tuple[str, ...]], ...]
+"""Arguments or keys, each with others of which it needs one beside it."""
+
+
+def check_needs(thing: Any, needs: Needs) -> None:
+    """Refuse what is given without one of those that it needs."""
+    for name, others in needs:
+        is_given = getattr(thing, name) != getattr(type(thing), name, None)
+        if is_given and all(getattr(thing, other) is None for other in others):
+            raise InputError(name, expected=(*named(others, " or "), " beside it"), got="none")
+
+
 class Checked:
     """A frozen dataclass whose parameters are checked when it is made."""
+
+    needs: ClassVar[Needs] = ()
 
     def __post_init__(self) -> None:
         for name, parameter in parameters_of(type(self)).items():
@@ -274,6 +288,7 @@ class Checked:
                 if any(get_origin(kind) is tuple for kind in parameter.kinds) and isinstance(value, list)
                 else value,
             )
+        check_needs(self, self.needs)
 
 
 class Law(Checked):

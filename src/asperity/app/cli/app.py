@@ -35,6 +35,7 @@ from asperity.app.cli import (
 from asperity.app.cli.command import app, command
 from asperity.app.cli.flags import in_flags
 from asperity.app.cli.terminal import complain, make_streams_safe, silence_output, widen
+from asperity.base.calls import outside
 from asperity.base.files import command_running
 from asperity.base.words import closest, has_decimal_comma
 from asperity.errors import AsperityError, ConfigError, InputError, Remark
@@ -66,10 +67,7 @@ def install_completion(*, shell: Literal["bash", "zsh", "fish", "powershell"] | 
 
 def with_others() -> App:
     """The command with the commands of other installed distributions."""
-    from importlib.metadata import entry_points  # takes as long as all else that most commands import
-
-    for plugin in entry_points(group="asperity.commands"):
-        plugin.load()
+    list(outside("asperity.commands"))  # each adds its commands when it is imported
     return app
 
 
