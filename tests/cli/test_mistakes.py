@@ -18,7 +18,6 @@ import pytest
 
 import asperity.app.cli.app as command_line
 from asperity import __version__, friction
-from asperity.app.cli import main
 from asperity.app.cli.command import app
 from asperity.app.cli.terminal import complain
 from asperity.app.config.mistakes import assigned, flag_in
@@ -245,7 +244,7 @@ def test_help_and_mistakes_do_not_wait_for_the_engine_and_the_command_is_a_modul
     assert python("-c", bare).returncode == 0
     done = python("-m", "asperity", "rnu")
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr.startswith("asperity: unknown command rnu")
+    assert done.stderr.startswith('asperity: Unknown command "rnu"')
 
 
 def test_a_scheduler_that_is_none_is_a_failure(asperity, monkeypatch):
@@ -266,18 +265,3 @@ def test_all_that_is_known_to_be_said_belongs_to_a_test():
         if not line.startswith(" "):
             file, name = line.split("::")
             assert f"def {name}(" in (Path(__file__).parents[1] / file).read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize(
-    ("words", "flag"),
-    [
-        ("fit -- -x.csv --out y", "--out"),
-        ("surface -- -s.npy --despike", "--despike"),
-        ("run -- x.toml --shape 8", "--shape"),
-    ],
-)
-def test_options_behind_two_dashes_are_said_to_stand_there(capsys, words, flag):
-    assert main(words.split()) == 2
-    assert capsys.readouterr().err.startswith(
-        f"asperity: {flag} stands after --; try it before (see asperity "
-    )

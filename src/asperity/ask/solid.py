@@ -17,7 +17,7 @@ from asperity.ask.section import Keys, Section, arguments_of, keys_of_maker
 from asperity.base.calls import outside
 from asperity.base.checks import any_of
 from asperity.base.files import expanded
-from asperity.base.parameters import Law, Parameter, Quantity, parameters_of
+from asperity.base.parameters import Law, Parameter, Quantity, check_needs, parameters_of
 from asperity.creep import Eyring
 from asperity.errors import InputError, Name, Words, named
 from asperity.relaxation import Fit, Material, material
@@ -130,6 +130,8 @@ class SolidSection(Section):
             if getattr(self, law, None) == "none":
                 vars(self)[law] = None
             self._check_law(law)
+        with self.located():
+            check_needs(self, self.needs)
         self._check_data()
         with self.located():
             self.build()
@@ -181,8 +183,17 @@ class SolidSection(Section):
         return self
 
 
+_BESIDE = {"extrapolate": ("relaxation", "data_last"), "temperature": ("relaxation", "creep")}
+"""Keys about a table that have a meaning without one, and what gives it."""
+
+
 class Continuum(SolidSection):
     """A solid with a modulus, and perhaps with branches that relax, which a table may give."""
+
+    needs = (
+        *((key, ("branches",)) for key in ("draws", "data_first", "data_last")),
+        *((key, _BESIDE.get(key, ("relaxation",))) for key in (*OF_TABLES.values(), "table_modulus")),
+    )
 
     if TYPE_CHECKING:
         modulus: float | None
@@ -210,43 +221,21 @@ class Continuum(SolidSection):
             return {**table, "table_modulus": table["modulus"], "modulus": None}
         return table
 
-    def check(self) -> None:
-        """Refuse branches or creep beside a table."""
-        for key in ("branches", "creep") if self.relaxation is not None else ():
+    def _check_data(self) -> None:
+        if self.relaxation is not None:
+            self._check_table()
+        elif self.modulus is None and self.young is None:
+            expected = "modulus, young and poisson, or relaxation and poisson"
+            raise self.wrong(expected=expected, got="none", advice=(Name("young"),))
+        elif self.extrapolate not in (None, "model"):
+            expected, cure = "model, for branches of data", {"extrapolate": "model"}
+            raise self.wrong("extrapolate", expected=expected, got=self.extrapolate, cure=cure)
+
+    def _check_table(self) -> None:
+        for key in ("branches", "creep"):
             if getattr(self, key, None):
                 expected = "none beside a relaxation table, which is that of a linear solid"
                 raise self.wrong(key, expected=expected, got="both", advice=(Name("young"), " in its place"))
-        super().check()
-
-    def _check_data(self) -> None:
-        for key in ("draws", "data_first", "data_last"):
-            if getattr(self, key, None) is not None and not self.branches:
-                names = ("relaxation", "flow", "creep")
-                others = (name for name in names if getattr(self, name, None) is not None)
-                raise self.wrong(key, expected="branches beside it", got=next(others, "none"))
-        if self.relaxation is None:
-            self._check_branches()
-        else:
-            self._check_table()
-
-    def _check_branches(self) -> None:
-        if self.modulus is None and self.young is None:
-            expected = "modulus, young and poisson, or relaxation and poisson"
-            raise self.wrong(expected=expected, got="none", advice=(Name("young"),))
-        of_branches = self.extrapolate == "model"
-        if of_branches and self.data_last is None:
-            raise self.wrong("extrapolate", expected=(Name("data_last"), " beside model"), got="none")
-        lacking = [key for key in OF_TABLES.values() if getattr(self, key) is not None]
-        lacking += ["table_modulus"] if self.table_modulus is not None else []
-        if getattr(self, "creep", None) is not None:
-            lacking = [key for key in lacking if key != "temperature"]
-        if lacking and not of_branches:
-            if lacking == ["extrapolate"] and self.data_last is not None:
-                expected, cure = "model, for branches of data", {"extrapolate": "model"}
-                raise self.wrong("extrapolate", expected=expected, got=self.extrapolate, cure=cure)
-            raise self.wrong(lacking[0], expected=(Name("relaxation"), " beside it"), got="none")
-
-    def _check_table(self) -> None:
         if isinstance(self.young, list) and len(self.young) > 1:
             advice = "asperity.relaxation"
             raise self.wrong("relaxation", expected="one body beside it", got="two", advice=advice)

@@ -268,8 +268,8 @@ Needs = tuple[tuple[str, tuple[str, ...]], ...]
 def check_needs(thing: Any, needs: Needs) -> None:
     """Refuse what is given without one of those that it needs."""
     for name, others in needs:
-        is_given = getattr(thing, name) != getattr(type(thing), name, None)
-        if is_given and all(getattr(thing, other) is None for other in others):
+        is_given = getattr(thing, name, None) != getattr(type(thing), name, None)
+        if is_given and all(getattr(thing, other, None) in (None, []) for other in others):
             raise InputError(name, expected=(*named(others, " or "), " beside it"), got="none")
 
 

@@ -119,17 +119,12 @@ def given(
 def _check_leg(leg: Mapping[str, Any]) -> None:
     """Refuse a leg with a number that has no unit, where it is of a quantity that has one."""
     from asperity.base.parameters import parameters_of
-    from asperity.protocols.legs import KINDS, in_words
+    from asperity.protocols.legs import KINDS
 
     for inner in leg.get("legs", ()):
         _check_leg(inner)
-    parameters = parameters_of(KINDS[leg["kind"]]) if leg["kind"] in KINDS else {}
-    bare = [name for name in leg if name in parameters and isinstance(leg[name] or "", int | float)]
-    plain = {name: unit for name in bare if (unit := parameters[name].unit)}
-    for name in plain:
-        typed = in_words([{**leg, **{key: f"{leg[key]:g}{unit}" for key, unit in plain.items()}}])
-        place, expected = f"--leg {leg['kind']}: {name}", "a number with its unit"
-        raise InputError(place, expected=expected, got=leg[name], advice=f'--leg "{typed}"')
+    for name, parameter in parameters_of(KINDS[leg["kind"]]).items() if leg["kind"] in KINDS else ():
+        check_unit(f"--leg {leg['kind']}: {name}", leg.get(name), parameter.unit)
 
 
 def file_of_run(material: Path | None, flags: dict[str, dict[str, object]]) -> Path | None:
@@ -191,7 +186,7 @@ def check_unit(flag: str, value: object, *units: str) -> None:
         parts = list(zip(one if isinstance(one, list) else [one], units, strict=False))
         if any(unit and isinstance(part, float | int) and (part or unit == "K") for part, unit in parts):
             words = (f"{part} {usual_unit(unit) if unit else ''}".strip() for part, unit in parts)
-            advice, got = f'{flag} "{" ".join(words)}"', " ".join(str(part) for part, _ in parts)
+            advice, got = f'"{" ".join(words)}"', " ".join(str(part) for part, _ in parts)
             raise InputError(flag, expected="a number with its unit", got=got, advice=advice)
 
 
