@@ -129,11 +129,11 @@ class SolidSection(Section):
         for law in KEYS_OF_LAWS:
             if getattr(self, law, None) == "none":
                 vars(self)[law] = None
+        self._check_data()
+        for law in KEYS_OF_LAWS:
             self._check_law(law)
         with self.located():
             check_needs(self, self.needs)
-        self._check_data()
-        with self.located():
             self.build()
 
     @property

@@ -21,7 +21,7 @@ from asperity.base.words import number, numbers
 from asperity.errors import InputError, Value, brief
 
 if TYPE_CHECKING:
-    from asperity.app.config.keys import Key, What
+    from asperity.app.config.keys import Key
 
 
 def _whole(_: object, tokens: Sequence[Token]) -> int:
@@ -43,24 +43,9 @@ Columns = Annotated[list[str] | None, Parameter(negative=(), consume_multiple=Tr
 _UNITS = Parameter(name=("--unit", "--units"), negative=(), consume_multiple=True, metavar="COLUMN=UNIT")
 Units = Annotated[list[str] | None, _UNITS]
 _METAVARS = {
-    "number": "FLOAT",
-    "pair": "FIRST SECOND",
-    "whole": "INT",
-    "choice": "CHOICE",
-    "path": "PATH",
-    "text": "TEXT",
-    "text or whole": "TEXT",
-    "file": "PATH",
-    "shape": "N",
-    "times": "T",
-    "maps_at": "T",
-    "crop": "N",
-    "places": "Y X",
-    "branches": "SHARE TIME",
-    "base_branches": "SHARE TIME",
-    "flow": "MOBILITY POWER",
-    "columns": "COLUMN",
-    "units": "COLUMN=UNIT",
+    **{"number": "FLOAT", "pair": "FIRST SECOND", "whole": "INT", "text or whole": "TEXT", "file": "PATH"},
+    **{"shape": "N", "crop": "N", "times": "T", "maps_at": "T", "places": "Y X", "flow": "MOBILITY POWER"},
+    **{"branches": "SHARE TIME", "base_branches": "SHARE TIME", "columns": "COLUMN", "units": "COLUMN=UNIT"},
 }
 """Placeholders of values in the help, by the type of a key or by its name."""
 
@@ -196,7 +181,7 @@ def _paired(written: Iterable[str]) -> list[str]:
     return [word if re.search(r"[\s,]", word) else f"{word} {next(words, '')}".strip() for word in words]
 
 
-def _read(written: bool | str | list[str], sort: What) -> object:
+def _read(written: bool | str | list[str], sort: str) -> object:
     """Turn words into numbers, where a key may be one; the check refuses the rest."""
     if isinstance(written, list):
         if sort in ("pair", "pairs"):
@@ -287,21 +272,17 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
     place = 1 + ORDER.index(section) if section in ORDER else 0
     name, group = flag_of(section, key.name), Group(section.capitalize(), sort_key=place)
     text = key.description + (f" [choices: {', '.join(key.choices)}]" if key.choices else "")
-    if key.what == "switch":
-        switch = Parameter(name=name, group=group, help=text, negative=(), show_default=False)
-        return Annotated[bool | None, switch]
-    if key.default not in (None, []):
+    if key.default not in (None, []) and key.what != "switch":
         default = key.default if isinstance(key.default, list) else [key.default]
-        words = [
-            f"{annotation:g}" if isinstance(annotation, float) else str(annotation) for annotation in default
-        ]
+        words = (f"{one:g}" if isinstance(one, float) else str(one) for one in default)
         text += f" [default: {' '.join(words)}]"
-    paired = key.what in ("pair", "pairs")  # two words in one argument, which may be given again
+    one = key.what.removesuffix("s")
+    paired = one == "pair"  # two words in one argument, which may be given again
     parameter = Parameter(
         name=("--unit", name) if name == "--units" and quantity == "QUANTITY" else name,
         group=group,
         help=text,
-        metavar=_METAVARS.get(key.name) or (quantity if key.unit else _METAVARS[key.what.removesuffix("s")]),
+        metavar=_METAVARS.get(key.name) or (quantity if key.unit else _METAVARS.get(one, one.upper())),
         negative=(),
         consume_multiple=key.several,
         show_default=False,
@@ -309,5 +290,7 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
         # as in -40degC; a list would take the flags behind it for more of it
         allow_leading_hyphen=bool(key.unit) and not key.several and (key.unit == "K" or (key.least or 0) < 0),
     )
+    if key.what == "switch":
+        return Annotated[bool | None, parameter]
     annotation: Any = Literal[key.choices] if key.what == "choice" and quantity == "QUANTITY" else str
     return Annotated[(list[str] if key.several or paired else annotation) | None, parameter]
