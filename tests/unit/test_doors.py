@@ -20,7 +20,7 @@ from asperity.app.cli.flags import flags_for, given, keys_for
 from asperity.app.config import RunConfig, config_from
 from asperity.app.config.keys import QUESTIONS, sections
 from asperity.app.config.mistakes import Door
-from asperity.app.config.reading import asked_at, config_at
+from asperity.app.config.reading import asked_at, config_at, to_toml
 from asperity.app.explore.server import Places, read_request
 from asperity.ask.solid import OF_DATA
 from asperity.base.parameters import parameters_of
@@ -224,6 +224,7 @@ def test_a_value_is_the_same_through_all_doors(section: str, keys: dict[str, Any
     assert (texts == keys) == (keys.get("kind") in ("gaussian", "exponential", "self_affine"))
     opened = [one for asked in (keys, texts) for one in through_doors(section, asked, tmp_path)]
     parts = [one.protocol[0] if one.protocol else getattr(one, section) for one in opened]
+    assert config_from(tomllib.loads(to_toml(opened[0])), {}, None) == opened[0]
     first, *others = [facts(one if section == "protocol" else vars(one)) for one in parts]
     for one in others:
         check_equal(one, first)
