@@ -25,6 +25,7 @@ RAISED: dict[type[errors.AsperityError], errors.AsperityError] = {
     errors.MissingExtraError: errors.MissingExtraError("install it"),
     errors.ConvergenceError: errors.ConvergenceError("stopped"),
     errors.OutputError: errors.OutputError("disk full"),
+    errors.TooLargeError: errors.TooLargeError("too many sites"),
     errors.PulledOff: errors.PulledOff(-2.0),
 }
 

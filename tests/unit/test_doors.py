@@ -222,7 +222,12 @@ def test_a_value_is_the_same_through_all_doors(section: str, keys: dict[str, Any
     keys = {name: value for name, value in keys.items() if value is not None}
     texts = with_units(section, keys)
     assert (texts == keys) == (keys.get("kind") in ("gaussian", "exponential", "self_affine"))
-    opened = [one for asked in (keys, texts) for one in through_doors(section, asked, tmp_path)]
+    check_doors(section, keys, texts, tmp_path)
+
+
+def check_doors(section: str, keys: dict[str, Any], texts: dict[str, Any], folder: Path) -> None:
+    """Numbers, and texts with units, are the same in a file, flags, the form and Python."""
+    opened = [one for asked in (keys, texts) for one in through_doors(section, asked, folder)]
     parts = [one.protocol[0] if one.protocol else getattr(one, section) for one in opened]
     assert config_from(tomllib.loads(to_toml(opened[0])), {}, None) == opened[0]
     first, *others = [facts(one if section == "protocol" else vars(one)) for one in parts]

@@ -246,11 +246,8 @@ class RunConfig:
             first, last = self.span
             raise self.aging.wrong("last", expected=f"more than first, {first:g}", got=f"{last:g}")
         if self.contact.load == 0 and not (self.protocol and self.written_out[0].target):
-            expected, advice = (
-                "a protocol that begins with a ramp beside 0",
-                "a first leg such as 'ramp 1 load=...'",
-            )
-            raise self.contact.wrong("load", expected=expected, got="none", advice=advice)
+            expected = "a protocol that begins with a ramp beside 0, such as 'ramp 1 load=...'"
+            raise self.contact.wrong("load", expected=expected, got="none")
         self._check_known()
         for home, key in ((self.aging, "times"), (self.output, "maps_at")):
             late = max(getattr(home, key) or [], default=-math.inf)
@@ -304,14 +301,8 @@ class RunConfig:
         ]
         for path, load in pressing:
             if load is not None and (load < 0 or (load == 0 and path != ("contact", "load"))):
-                facts: dict[str, Any] = {
-                    "cure": {"adhesion": "dugdale"},
-                    "advice": f"{-load:g}, which presses",
-                }
-                if not load:
-                    facts = {"advice": "a small one, which lifts the body"}
-                name, got = str(path[-1]), f"{load:g}"
-                raise InputError(name, expected="more than 0", got=got, path=path, **facts)
+                cure = {"adhesion": "dugdale"} if load else {}
+                raise InputError(str(path[-1]), expected="more than 0", got=f"{load:g}", cure=cure, path=path)
 
     @property
     def written_out(self) -> list[Leg]:

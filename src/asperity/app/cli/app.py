@@ -54,14 +54,9 @@ def install_completion(*, shell: Literal["bash", "zsh", "fish", "powershell"] | 
     shell
         The shell. [default: the one that runs this command]
     """
-    from cyclopts.completion.detect import ShellDetectionError
+    from cyclopts.completion.install import create_install_completion_command
 
-    try:
-        path = app.install_completion(shell=shell)
-    except ShellDetectionError:
-        advice = "--install-completion --shell bash"
-        raise InputError("--shell", expected="a known shell", got="another one", advice=advice) from None
-    print(f"written {path}; completion begins with the next shell")
+    create_install_completion_command(app.install_completion, add_to_startup=True)(shell=shell)
 
 
 def with_others() -> App:

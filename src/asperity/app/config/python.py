@@ -57,7 +57,7 @@ def to_python(config: RunConfig, times: list[float]) -> str:
         hold = {} if config.aging.hold is None else {"hold": config.aging.hold}
         lines.append(f"limit = {_call('asp.relax', 'contact', **hold)}")
     if (law := config.friction.strength) is not None and not law.ages:
-        lines.append(f"friction = asp.friction.add_friction(history.dataset, {_written(law)})")
+        lines.append(f"friction = {_call('asp.friction.add_friction', 'history.dataset', _written(law))}")
     return "\n".join([*lines, "print(history)", ""])
 
 
