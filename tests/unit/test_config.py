@@ -544,15 +544,6 @@ def check_values(model: tuple[str, str], key: Key) -> None:
     assert accepts(model, key, "1 nonsense") is (key.what in ("path", "text", "texts", "text or whole"))
 
 
-@pytest.mark.parametrize("flags", [{}, {"contact": {"pressure": "1mpa"}}])
-def test_a_unit_in_another_case_is_named_at_every_door(flags):
-    solid = {"kind": "half_space", "young": "3 GPA", "poisson": 0.3}
-    with pytest.raises(ConfigError) as raised:
-        config_from({"solid": solid, "contact": {"pressure": "1mpa"}}, flags, None)
-    advice = [problem.partition("; try ")[2] for problem in raised.value.problems]
-    assert sorted(advice) == ["1 MPa, as case matters", "3 GPa, as case matters"]
-
-
 def test_mistakes_of_a_question_and_of_its_sections_come_together(tmp_path):
     file = tmp_path / "law.toml"
     file.write_text("[law]\npressurs = [1.0]\n[contact]\nlode = 3.0\n[sweep]\nseed = [1]\n")

@@ -58,28 +58,23 @@ class Carried:
     strength: ShearStrength | None = None
     stiffness: Annotated[
         bool,
-        Quantity(
-            "record the normal stiffness",
-            more=", and the tangential one if the solid has one Poisson's ratio.",
-        ),
+        Quantity("record the normal stiffness, and the tangential one if the solid has one Poisson's ratio."),
     ] = False
     resistivity: Annotated[
         Each | None,
         *(Gt(0), Len(1, 2)),
-        Quantity(
-            "electrical resistivity", "ohm m", more=", one value or one for each body: record the resistance."
-        ),
+        Quantity("electrical resistivity, one value or one for each body: record the resistance.", "ohm m"),
     ] = None
     conductivity: Annotated[
         Each | None,
         *(Gt(0), Len(1, 2)),
-        Quantity("thermal conductivity", "W/m/K", more=", likewise: record the thermal resistance."),
+        Quantity("thermal conductivity, likewise: record the thermal resistance.", "W/m/K"),
     ] = None
     poisson: float | None = None
     shear: Annotated[
         float | str | None,
         Gt(0),
-        Quantity("shear force", "N", more=": record the fraction of the contact that sticks."),
+        Quantity("shear force: record the fraction of the contact that sticks.", "N"),
     ] = None
     friction: Annotated[
         float | None,
@@ -89,16 +84,16 @@ class Carried:
     direction: Annotated[
         Literal["x", "y"] | None,
         Quantity(
-            "direction of the shear force and of the tangential stiffness",
-            more=": x along the rows, y from row to row. By default x for the force, and without one the "
-            "stiffness in the softest and the stiffest direction and a mean.",
+            "direction of the shear force and of the tangential stiffness: x along the rows, y from row to "
+            "row. By default x for the force, and without one the stiffness in the softest and the stiffest "
+            "direction and a mean.",
             key="shear_direction",
         ),
     ] = None
     work_of_adhesion: Annotated[
         float | str | None,
         Gt(0),
-        Quantity("work of adhesion", "J/m^2", more=": record the pull-off force, without further creep."),
+        Quantity("work of adhesion: record the pull-off force, without further creep.", "J/m^2"),
     ] = None
 
     def __post_init__(self) -> None:

@@ -111,9 +111,9 @@ class Predict(Question):
         float | str | None,
         Gt(0),
         Quantity(
-            "time over which the load rises linearly",
+            "time over which the load rises linearly, such as 2.4s; all times count from its start. "
+            "By default instantly.",
             "s",
-            more=", such as 2.4s; all times count from its start. By default instantly.",
         ),
     ] = None
     protocol: Sequence[Leg] | Leg | None = None
@@ -127,8 +127,7 @@ class Predict(Question):
     resolution_study: Annotated[
         bool,
         Quantity(
-            "predict also without the shortest waves of the scan",
-            more=", to see what a finer scan would change.",
+            "predict also without the shortest waves of the scan, to see what a finer scan would change."
         ),
     ] = False
     rtol: float = Aging.keys["rtol"].default  # type: ignore[assignment]

@@ -53,14 +53,14 @@ class Contact(Section):
 
     load: Annotated[
         float | None,
-        Quantity("normal load", "N", more="; 0 before a ramp, below 0 with adhesion. " + _USUAL_LOAD),
+        Quantity(f"normal load; 0 before a ramp, below 0 with adhesion. {_USUAL_LOAD}", "N"),
     ] = None
     pressure: Annotated[
         float | None,
-        Quantity("load over nominal area", "Pa", more=", in place of the load. " + _USUAL_PRESSURE),
+        Quantity(f"load over nominal area, in place of the load. {_USUAL_PRESSURE}", "Pa"),
     ] = None
     separation: Annotated[
-        float | None, Quantity("mean height of the undeformed solid", "m", more=", in place of the load.")
+        float | None, Quantity("mean height of the undeformed solid, in place of the load.", "m")
     ] = None
 
 
@@ -70,24 +70,21 @@ class Aging(Section):
     section = "aging"
     ways = (({"times"}, {"first", "last", "per_decade"}),)
 
-    first: Annotated[_Span, Quantity("first time to record", "s", more=". " + _USUAL_FIRST, swept=False)] = (
-        None
-    )
-    last: Annotated[_Span, Quantity("last time to record", "s", more=". " + _USUAL_LAST, swept=False)] = None
+    first: Annotated[_Span, Quantity(f"first time to record. {_USUAL_FIRST}", "s", swept=False)] = None
+    last: Annotated[_Span, Quantity(f"last time to record. {_USUAL_LAST}", "s", swept=False)] = None
     per_decade: Annotated[int, Ge(1), Le(1000), Quantity("times to record in each decade", swept=False)] = 4
     times: Annotated[
         Sequence[_Time] | None,
         Len(1),
         Quantity(
-            "times to record",
+            "times to record, listed, in place of first, last and times per decade.",
             dimension="time",
-            more=", listed, in place of first, last and times per decade.",
             swept=False,
         ),
     ] = None
     hold: Annotated[
         Literal["load", "separation"] | None,
-        Quantity("quantity that stays constant", more=". By default the one that pressed it."),
+        Quantity("quantity that stays constant. By default the one that pressed it."),
     ] = None
     rtol: Annotated[float, Ge(1e-6), Le(0.1), Quantity("relative tolerance of the time steps")] = 2e-3
 
@@ -129,9 +126,7 @@ class Output(Section):
     maps_at: Annotated[
         Sequence[_Time] | None,
         Quantity(
-            "times at which the contact is stored and drawn",
-            more=". By default 0 and five others.",
-            swept=False,
+            "times at which the contact is stored and drawn. By default 0 and five others.", swept=False
         ),
     ] = None
     figures: Annotated[
@@ -140,28 +135,23 @@ class Output(Section):
     measured: Annotated[
         str | None,
         Quantity(
-            "table of a measured contact area, or fraction of the nominal area, against time, with units",
-            more=": the figure of the area shows it, and the ratio measured / computed.",
+            "table of a measured contact area, or fraction of the nominal area, against time, with units: "
+            "the figure of the area shows it, and the ratio measured / computed.",
             swept=False,
         ),
     ] = None
     pixel: Annotated[
         _Size,
-        Quantity(
-            "pixel of a microscope through which the maps are seen", "m", more=", or in sites.", swept=False
-        ),
+        Quantity("pixel of a microscope through which the maps are seen, or in sites.", "m", swept=False),
     ] = None
     blur: Annotated[
         _Size,
-        Quantity(
-            "full width at half maximum of its point spread function", "m", more=", likewise.", swept=False
-        ),
+        Quantity("full width at half maximum of its point spread function, likewise.", "m", swept=False),
     ] = None
     threshold: Annotated[
         _Share,
         Quantity(
-            "fraction of contact above which a pixel counts as contact",
-            more=". By default the fractions are added.",
+            "fraction of contact above which a pixel counts as contact. By default the fractions are added.",
             swept=False,
         ),
     ] = None

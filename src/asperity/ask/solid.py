@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, cast, get_args
 
 from annotated_types import Gt, Le, Len
 
-from asperity.ask.laws import ACTIVATED, ACTIVATION, KEYS, KEYS_OF_LAWS, OF_LAWS
+from asperity.ask.laws import ACTIVATED, KEYS, KEYS_OF_LAWS, OF_LAWS
 from asperity.ask.section import Keys, Section, arguments_of, keys_of_maker
 from asperity.base.calls import outside
 from asperity.base.checks import any_of
@@ -46,9 +46,8 @@ OF_DATA: Keys = {
         str | None,
         (
             Quantity(
-                "table of the relaxation",
-                more=": modulus, creep compliance, or storage and loss moduli against time or frequency. It "
-                "gives the branches; and Young's modulus, if no modulus is given.",
+                "table of the relaxation: modulus, creep compliance, or storage and loss moduli against time "
+                "or frequency. It gives the branches; and Young's modulus, if no modulus is given.",
                 swept=False,
             ),
         ),
@@ -59,8 +58,7 @@ OF_DATA: Keys = {
         TableModulus | None,
         (
             Quantity(
-                "modulus in the table",
-                more=". By default the one that its header names, else Young's modulus.",
+                "modulus in the table. By default the one that its header names, else Young's modulus.",
                 swept=False,
             ),
         ),
@@ -72,9 +70,8 @@ OF_DATA: Keys = {
             (
                 *(Gt(0), Le(1e30)),
                 Quantity(
-                    f"{end} time of the data that gave the branches",
+                    f"{end} time of the data that gave the branches; {other} times need extrapolate = model.",
                     "s",
-                    more=f"; {other} times need extrapolate = model.",
                     swept=False,
                 ),
             ),
@@ -93,7 +90,7 @@ class SolidSection(Section):
     ways = (
         ({"modulus"}, {"young"}),
         ({"branches"}, {"relaxation"}, {"flow"}, {"draws"}),
-        (ACTIVATION, {"creep_rate", "creep_stress"}),
+        ({*ACTIVATED}, {"creep_rate", "creep_stress"}),
     )
 
     @property
@@ -118,7 +115,7 @@ class SolidSection(Section):
         for kind in filter(facts.__contains__, LAWS):
             law = LAWS[kind][facts[kind]]
             if kind == "creep" and "temperature" in facts:
-                activation = {key.removeprefix("creep_"): facts[key] for key in ACTIVATION}
+                activation = {key.removeprefix("creep_"): facts[key] for key in ACTIVATED}
                 laws[kind] = Eyring.activated(**activation)
             else:
                 laws[kind] = law(**{name: facts[f"{kind}_{name}"] for name in parameters_of(law)})
@@ -154,9 +151,7 @@ class SolidSection(Section):
         if law is None and given:
             laws = [name for name, ways in kinds.items() if given <= set().union(*ways)]
             expected: Words = (any_of(laws or kinds), " beside ", *named(sorted(given)))
-            foreign = given | ({"permanent"} if getattr(self, "permanent", None) is not None else set())
-            advice: Words = ("to drop ", *named(sorted(foreign))) if kind in self.stated else ""
-            raise self.wrong(kind, expected=expected, got="none", advice=advice)
+            raise self.wrong(kind, expected=expected, got="none")
         if law is not None and given not in ways:
             options = [part for way in ways for part in (" or ", *named(sorted(way)))][1:]
             raise self.wrong(

@@ -51,19 +51,16 @@ class ShearStrength(Checked):
         float,
         *(Ge(1 / LARGEST), Le(LARGEST)),
         Quantity(
-            "shear strength of the contacts",
+            "shear strength of the contacts; on the lattice of springs, force per site.",
             "Pa",
             key="shear_strength",
             usual=None,
-            more="; on the lattice of springs, force per site.",
         ),
     ]
     rate_coefficient: Annotated[
         float,
         *(Ge(0), Le(1)),
-        Quantity(
-            "relative growth of the shear strength with ln(velocity)", usual=None, more=". By default 0."
-        ),
+        Quantity("relative growth of the shear strength with ln(velocity). By default 0.", usual=None),
     ] = 0.0
     reference_velocity: Annotated[
         float | None,
@@ -74,9 +71,7 @@ class ShearStrength(Checked):
         float,
         *(Ge(-1), Le(1)),
         Quantity(
-            "relative growth of the shear strength with ln(age of a contact)",
-            usual=None,
-            more=". By default 0.",
+            "relative growth of the shear strength with ln(age of a contact). By default 0.", usual=None
         ),
     ] = 0.0
     after: Annotated[
@@ -87,7 +82,7 @@ class ShearStrength(Checked):
     renewal: Annotated[
         float | None,
         Ge(1 / LARGEST),
-        Quantity("slip that renews a contact", "m", dimension="place", more="; its age then begins anew."),
+        Quantity("slip that renews a contact; its age then begins anew.", "m", dimension="place"),
     ] = None
 
     @property

@@ -11,6 +11,7 @@ import dataclasses
 import functools
 import inspect
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from types import NoneType, UnionType
@@ -24,12 +25,14 @@ from asperity.errors import InputError, named
 
 @dataclasses.dataclass(frozen=True)
 class Quantity:
-    """A quantity: its meaning in words, its SI unit (empty for a pure number), and its symbol.
+    """A quantity: what it is, its SI unit (empty for a pure number), and its symbol.
 
     Attributes
     ----------
+    text
+        Its meaning, and after a comma, a colon, a semicolon or a period more for the help.
     more
-        Help text after the meaning, up to the last period.
+        More for the help.
     dimension
         Dimension of the records, a key of the units of results; by default it follows from the unit.
     key
@@ -40,14 +43,27 @@ class Quantity:
         Whether a campaign may take several values.
     """
 
-    meaning: str
+    text: str
     unit: str = ""
     symbol: str = ""
-    more: str = "."
+    more: str = ""
     dimension: str = ""
     key: str = ""
     usual: Any = ...
     swept: bool = True
+
+    @property
+    def meaning(self) -> str:
+        """Its meaning alone."""
+        return re.split(r"[,:;.](?= |$)", self.text)[0]
+
+    @property
+    def help(self) -> str:
+        """All of the text, as a sentence or several."""
+        if self.symbol:
+            return f"Its {self.meaning} {self.symbol}."
+        text = self.text + self.more
+        return f"{text[0].upper()}{text[1:]}{'.' * (text[-1] != '.')}"
 
 
 @dataclasses.dataclass(frozen=True)

@@ -98,10 +98,7 @@ def _keys(parameters: Parameters) -> Keys:
 
 
 def _key(name: str, parameter: Parameter) -> Key:
-    quantity, default, item = parameter.quantity, parameter.default, parameter.item
-    text = (
-        f"Its {quantity.meaning} {quantity.symbol}." if quantity.symbol else quantity.meaning + quantity.more
-    )
+    default, item = parameter.default, parameter.item
     one = parameter if parameter.words or item is None else item
     sort = _sort(name, one)
     bounds = _bounds(one, sort)
@@ -120,7 +117,7 @@ def _key(name: str, parameter: Parameter) -> Key:
         most=bounds.get("below", bounds.get("most")),
         above="above" in bounds,
         below="below" in bounds,
-        description=text[0].upper() + text[1:],
+        description=parameter.quantity.help,
     )
 
 
