@@ -145,16 +145,13 @@ class Predict(Question):
         self._load_by_legs()
         super().__post_init__()
         if (strength := getattr(self.carried, "strength", None)) is not None:
-            expected, advice = (
-                "none, as a band needs no history of contacts",
-                "shear_strength=..., or asperity.age",
-            )
+            expected = "none, as a band needs no history of contacts"
+            advice = "shear_strength=..., or asperity.age"
             raise InputError("strength", expected=expected, got=strength, advice=advice)
         seen = checks.instance("instrument", self.instrument or {}, dict, "{'pixel': '0.2 um'}")
         if others := seen.keys() - {*_INSTRUMENT}:
-            raise InputError(
-                "instrument", expected="pixel, blur and threshold", got=repr(min(others, key=str))
-            )
+            got = repr(min(others, key=str))
+            raise InputError("instrument", expected="pixel, blur and threshold", got=got)
         seen = {name: Output.keys[name].read(name, value) for name, value in seen.items()}
         object.__setattr__(self, "instrument", seen and {"blur": 0.0, "threshold": 0.5, **seen})
         if self.times is not None:

@@ -17,7 +17,7 @@ from asperity.ask.section import Keys, Section, arguments_of, keys_of_maker
 from asperity.base.calls import outside
 from asperity.base.checks import any_of
 from asperity.base.files import expanded
-from asperity.base.parameters import Law, Parameter, Quantity, check_needs, parameters_of
+from asperity.base.parameters import Law, Quantity, check_needs, parameters_of
 from asperity.creep import Eyring
 from asperity.errors import InputError, Name, Words, named
 from asperity.relaxation import Fit, Material, material
@@ -36,50 +36,36 @@ _BEYOND = 10.0
 """How far the recorded times go beyond the relaxation times on either side."""
 
 TableModulus = Literal["young", "shear", "contact"]
-_OF_MATERIAL = parameters_of(material)
+_OF_BRANCHES = "{} time of the data that gave the branches; {} times need extrapolate = model."
 
-OF_TABLES = {name: one.quantity.key or name for name, one in _OF_MATERIAL.items()}
+OF_TABLES = {name: one.quantity.key or name for name, one in parameters_of(material).items()}
 """Keys about a relaxation table, by the arguments of `asperity.relaxation.material`."""
 
-OF_DATA: Keys = {
-    "relaxation": Parameter(
+_Moment = Annotated[float | None, Gt(0), Le(1e30)]
+
+
+class _Data:
+    relaxation: Annotated[
         str | None,
-        (
-            Quantity(
-                "table of the relaxation: modulus, creep compliance, or storage and loss moduli against time "
-                "or frequency. It gives the branches; and Young's modulus, if no modulus is given.",
-                swept=False,
-            ),
+        Quantity(
+            "table of the relaxation: modulus, creep compliance, or storage and loss moduli against time or "
+            "frequency. It gives the branches; and Young's modulus, if no modulus is given.",
+            swept=False,
         ),
-        None,
-    ),
-    **keys_of_maker(material),
-    "table_modulus": Parameter(
+    ] = None
+    table_modulus: Annotated[
         TableModulus | None,
-        (
-            Quantity(
-                "modulus in the table. By default the one that its header names, else Young's modulus.",
-                swept=False,
-            ),
+        Quantity(
+            "modulus in the table. By default the one that its header names, else Young's modulus.",
+            swept=False,
         ),
-        None,
-    ),
-    **{
-        f"data_{end}": Parameter(
-            float | None,
-            (
-                *(Gt(0), Le(1e30)),
-                Quantity(
-                    f"{end} time of the data that gave the branches; {other} times need extrapolate = model.",
-                    "s",
-                    swept=False,
-                ),
-            ),
-            None,
-        )
-        for end, other in (("first", "earlier"), ("last", "later"))
-    },
-}
+    ] = None
+    data_first: Annotated[_Moment, Quantity(_OF_BRANCHES.format("first", "earlier"), "s", swept=False)] = None
+    data_last: Annotated[_Moment, Quantity(_OF_BRANCHES.format("last", "later"), "s", swept=False)] = None
+
+
+_FIELDS: Keys = {name: one.as_key for name, one in parameters_of(_Data).items()}
+OF_DATA: Keys = {"relaxation": _FIELDS["relaxation"]} | keys_of_maker(material) | _FIELDS
 """Keys about the data of the branches of a solid, which a relaxation table may give."""
 
 

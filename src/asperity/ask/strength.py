@@ -110,21 +110,16 @@ class ShearStrength(Checked):
         """
         speeds, rate = checks.floats("velocity", velocity), np.zeros(())
         if self.rate_coefficient and not (np.isfinite(speeds).all() and (speeds > 0).all()):
-            raise InputError(
-                "velocity",
-                expected="finite velocities > 0, where the shear strength depends on them",
-                got="a contact that does not slide, or slides at once",
-                advice="Slide(..., velocity=1.0), or rate_coefficient=0.0",
-            )
+            expected = "finite velocities > 0, where the shear strength depends on them"
+            got = "a contact that does not slide, or slides at once"
+            advice = "Slide(..., velocity=1.0), or rate_coefficient=0.0"
+            raise InputError("velocity", expected=expected, got=got, advice=advice)
         if self.rate_coefficient:
             assert self.reference_velocity is not None
             rate = self.rate_coefficient * np.log(speeds / self.reference_velocity)
         strength = np.broadcast_to(self.strength * (1 + rate + np.asarray(grown)), speeds.shape)
         if not (strength > 0).all():
-            raise InputError(
-                "rate_coefficient" if self.rate_coefficient else "growth",
-                expected="a shear strength > 0 at every velocity",
-                got=f"{float(strength.min()):g} at {float(speeds.min()):g}",
-                advice="a reference_velocity nearer to those of the slides" * bool(self.rate_coefficient),
-            )
+            name, got = "rate_coefficient", f"{float(strength.min()):g} at {float(speeds.min()):g}"
+            name = name if self.rate_coefficient else "growth"
+            raise InputError(name, expected="a shear strength > 0 at every velocity", got=got)
         return strength

@@ -75,18 +75,13 @@ def showing(what: str) -> Iterator[None]:
 def remarks_made() -> Iterator[list[str]]:
     """Gather the remarks that are made meanwhile, in place of warnings."""
     texts: list[str] = []
-    with warnings.catch_warnings():
-        shown = warnings.showwarning
-
-        def gather(message: Warning | str, category: type[Warning], *about: Any, **more: Any) -> None:
-            if issubclass(category, Remark):
-                texts.append(str(message))
-            else:
-                shown(message, category, *about, **more)
-
+    with warnings.catch_warnings(record=True) as made:
         warnings.simplefilter("always", Remark)
-        warnings.showwarning = gather
         yield texts
+    texts += [str(one.message) for one in made if issubclass(one.category, Remark)]
+    for other in made:
+        if not issubclass(other.category, Remark):
+            warnings.warn_explicit(other.message, other.category, other.filename, other.lineno)
 
 
 def _answering(member: Any) -> Any:

@@ -97,12 +97,9 @@ def check_units(*tables: object, si: bool, line: bool = False) -> None:
     """
     for written in written_with_units(tables):
         if not si:
-            raise InputError(
-                "units",
-                expected="plain numbers, as the surface or the solid has no units",
-                got=repr(written.written),
-                advice="half_space under Surface(heights, unit='um', pixel_size=..., length_unit='um')",
-            )
+            expected = "plain numbers, as the surface or the solid has no units"
+            advice = "half_space under Surface(heights, unit='um', pixel_size=..., length_unit='um')"
+            raise InputError("units", expected=expected, got=repr(written.written), advice=advice)
         if line and written.unit == "N":
             expected = "a force for each metre of the profile's length"
             raise InputError("load", expected=expected, got=repr(written.written), advice="load=5.0, in N/m")
