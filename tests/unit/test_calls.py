@@ -22,28 +22,6 @@ STIFF = SOLIDS.half_space(young="3 GPa", poisson=0.3)
 PRESSED = asp.press(PAIR, SOLIDS.spring_lattice(k0=1.0, k1=3.0), load=1.0)
 
 
-@pytest.mark.parametrize(
-    ("call", "given", "name", "got"),
-    [
-        (SOLIDS.half_space, {"yung": 1.0}, "half_space", "'yung'"),
-        (SOLIDS.layer, FILM | {"young": 1.0, "frictionless": True}, "layer", "'frictionless'"),
-        (SOLIDS.spring_lattice, {"k0": 1.0}, "spring_lattice", "'k1'"),
-        (SURFACES.sphere, {"shape": (8, 8), "radius": 1.0, "spacing": 0.1}, "sphere", "'spacing'"),
-        (SURFACES.Surface, {"heights": [1.0], "units": "um"}, "Surface", "'units'"),
-        (SURFACES.Surface(PAIR).crop, {"bound": [0, 1]}, "crop", "'bound'"),
-        (asp.press, {"heights": [1.0], "laod": 1.0}, "press", "'laod'"),
-        (asp.predict, {"materiel": 1.0}, "predict", "'materiel'"),
-        (SOLIDS.Eyring.activated, {"enrgy": 1.0}, "activated", "'enrgy'"),
-        (functools.partial(asp.press, [1.0], STIFF, 1.0), {}, "press", ""),
-    ],
-)
-def test_a_mistaken_argument_is_answered(call, given, name, got):
-    with refuses(name, got, kind=CallError) as raised:
-        call(**given)
-    assert isinstance(raised.value, InputError)
-    assert isinstance(raised.value, TypeError)
-
-
 WRONG_TYPES = [
     ("path", "None", asp.results.load, {"path": None}),
     ("path", "-1", asp.surfaces.read, {"path": -1}),

@@ -307,15 +307,11 @@ def test_lengths_of_made_surfaces_are_in_their_unit(unit: str, text: Any, tmp_pa
             check_equal(facts(built), facts(in_python("surface", keys)))
 
 
+SPELLINGS = {"µm": "um", "μm": "um", "micron": "um", "Å": "angstrom", "nanometer": "nm", "NM": "nm"}
+
+
 def test_units_have_one_spelling() -> None:
-    for spelling, unit in (
-        ("µm", "um"),
-        ("μm", "um"),
-        ("micron", "um"),
-        ("Å", "angstrom"),
-        ("nanometer", "nm"),
-        ("NM", "nm"),
-    ):
+    for spelling, unit in SPELLINGS.items():
         surface = Surface(np.eye(4), unit=spelling, pixel_size=2.0, length_unit=spelling)  # type: ignore[arg-type]
         across = {"um": 1e-6, "angstrom": 1e-10, "nm": 1e-9}[unit]
         assert (surface.unit, surface.length_unit) == (unit, unit)

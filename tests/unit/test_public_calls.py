@@ -23,7 +23,7 @@ import pytest
 import xarray as xr
 
 import asperity as asp
-from asperity.errors import InputError
+from asperity.errors import CallError, InputError
 
 ROUGH = (np.round(8 * np.random.default_rng(1).normal(size=(8, 8))) / 8 + 0.0).tolist()
 LATTICE = asp.solids.spring_lattice(k0=1.0, k1=3.0)
@@ -433,6 +433,17 @@ def test_numbers_of_every_type_give_the_same_and_what_is_none_is_refused(functio
             if not welcome and not (wrong is None and key in optional):
                 named = refused(function, arguments | {key: wrong})
                 assert any(word in named for word in (key, *NAMED_OTHERWISE.get(key, ()))), named
+
+
+def test_an_argument_that_does_not_exist_or_is_missing_is_answered():
+    for function, arguments in (one for one in CALLS if isinstance(one[0], FunctionType | type)):
+        with pytest.raises(CallError) as unknown:
+            function(**arguments, nope=1)
+        assert (unknown.value.got, isinstance(unknown.value, TypeError)) == ("'nope'", True)
+    springs: Any = asp.solids.spring_lattice
+    for call, got in ((lambda: springs(k0=1.0), "'k1'"), (lambda: springs(1.0, 3.0), "too many")):
+        with pytest.raises(CallError, match=got):
+            call()
 
 
 @pytest.mark.parametrize(("name", "function"), THINGS, ids=[name for name, _ in THINGS])

@@ -232,7 +232,7 @@ def heights(name: str, value: object, *, holes: bool = False) -> Floats:
         if masked:
             got = f"{len(masked)} masked of {np.size(value)}, the first at {masked[0]}"
             raise InputError(name, expected="an array without masked entries", got=got, advice=advice)
-    array = _as_floats(name, value, "an array of real numbers", copied=True)
+    array = np.array(_as_floats(name, value, "an array of real numbers"), order="C")
     if array.ndim not in (1, 2):
         got = f"{array.ndim} dimensions, shape {array.shape}"
         raise InputError(name, expected="one or two dimensions", got=got)
@@ -307,8 +307,8 @@ def _scalar(value: object, *, kinds: str) -> Any:
     return array[()] if array.ndim == 0 and array.dtype.kind in kinds else None
 
 
-def _as_floats(name: str, value: object, expected: str, advice: str = "", *, copied: bool = False) -> Floats:
-    """Real numbers as float64, NaN and infinity included; a copy in C order where one is wanted."""
+def _as_floats(name: str, value: object, expected: str, advice: str = "") -> Floats:
+    """Real numbers as float64, NaN and infinity included."""
     if _has_unit(value):
         raise InputError(name, expected=expected, got=shown(value), advice=_hint(name, value))
     try:
@@ -328,8 +328,6 @@ def _as_floats(name: str, value: object, expected: str, advice: str = "", *, cop
     if np.ma.is_masked(value):
         raise InputError(name, expected=expected, got="masked entries among them", advice=advice)
     with np.errstate(over="ignore"):  # a long double that overflows becomes infinite
-        if copied:
-            return np.array(array, dtype=np.float64, order="C")
         return np.asarray(array, dtype=np.float64)
 
 

@@ -76,8 +76,8 @@ class Door:
 
         def assign(key: str, value: Value) -> str:
             name = spell(key)
-            typed = assigned(name, value) if name.startswith("--") else f"{key} = {json.dumps(value)}"
-            return "" if key in self.lacks else typed
+            written = assigned(name, value) if name.startswith("--") else f"{key} = {json.dumps(value)}"
+            return "" if key in self.lacks else written
 
         place = self._place(section, rest)
         named = mistake.name in (section, *rest[-1:]) or (rest and mistake.name == "kind")
