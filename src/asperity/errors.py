@@ -19,21 +19,7 @@ from __future__ import annotations
 
 import copy
 import copyreg
-from collections.abc import Callable, Mapping
-
-__all__ = [
-    "AsperityError",
-    "CallError",
-    "CheckpointError",
-    "ConfigError",
-    "ConvergenceError",
-    "InputError",
-    "MissingExtraError",
-    "OutputError",
-    "PulledOff",
-    "SurfaceFileError",
-]
-__dir__ = __all__.copy  # dir() lists the public names alone
+from collections.abc import Callable, Iterable, Mapping
 
 
 def printable(text: str) -> str:
@@ -69,6 +55,13 @@ class Name(str):
 
 Words = str | tuple[str, ...]
 """Part of a message; a tuple is joined, and a `Name` in it becomes a flag or a key."""
+
+
+def named(names: Iterable[str], between: str = ", ") -> tuple[str, ...]:
+    """Arguments or keys within a message; "none" where there are none."""
+    parts = [part for name in names for part in (between, Name(name))]
+    return tuple(parts[1:]) or ("none",)
+
 
 Spell = Callable[[str], str]
 Value = str | float | bool | list[int]
@@ -112,7 +105,7 @@ class InputError(AsperityError, ValueError):
     def told(self, place: str, spell: Spell = str, assign: Assign = "{}={!r}".format) -> str:
         """The message behind a place, with names and assignments as a door writes them."""
         said = _joined(self.said, spell) or f"expected {_joined(self.expected, spell)}, got {self.got}"
-        cures = ", ".join(assign(name, value) for name, value in self.cure.items())
+        cures = ", ".join(filter(None, (assign(name, value) for name, value in self.cure.items())))
         advice = ", or ".join(filter(None, (cures, _joined(self.advice, spell))))
         return f"{place}: {said}{'; try ' * bool(advice)}{advice}".removeprefix(": ")
 
@@ -175,7 +168,7 @@ class MissingExtraError(AsperityError, ImportError):
     """An optional library is needed and not installed."""
 
 
-class TooLargeError(AsperityError, MemoryError):
+class TooLargeError(MemoryError, AsperityError):  # in this order, else no copy of it can be made
     """What was asked for needs more memory than there is."""
 
 
@@ -204,3 +197,7 @@ class PulledOff(AsperityError, RuntimeError):  # noqa: N818  (an answer, and no 
 
 LARGEST = 1e100
 """Numbers beyond it, or below its inverse, would overflow or vanish when energies are computed."""
+
+_OWN = [one for one in vars().values() if isinstance(one, type) and issubclass(one, AsperityError)]
+__all__ = sorted(one.__name__ for one in _OWN)
+__dir__ = __all__.copy  # dir() lists the public names alone

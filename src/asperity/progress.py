@@ -52,13 +52,8 @@ def progress_shown() -> Iterator[Progress]:
         from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
         from rich.progress import Progress as Shown
 
-        columns = (
-            SpinnerColumn(),
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.fields[state]}"),
-            TimeElapsedColumn(),
-        )
+        stage, state = map(TextColumn, ("{task.description}", "{task.fields[state]}"))
+        columns = SpinnerColumn(), stage, BarColumn(), state, TimeElapsedColumn()
         with Shown(*columns, console=Console(stderr=True), transient=True) as bar:
             yield _OnTerminal(bar)
 

@@ -81,7 +81,7 @@ def mistaken(asperity: Asperity) -> Mistaken:
         assert "Traceback" not in error
         assert line.startswith("asperity: ")
         # Other distributions add commands.
-        line = re.sub(r"; there are [a-z, ]*explore, .*(?= \(see)", "", line)
+        line = re.sub(r" Available commands: .*(?= \(see)", "", line)
         assert sorted(Path().rglob("*")) == before
         return line.removeprefix("asperity: ").replace(str(Path.cwd()), "HERE")
 

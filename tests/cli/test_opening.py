@@ -5,6 +5,7 @@ import subprocess
 import sys
 import webbrowser
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
@@ -54,7 +55,7 @@ def test_bash_completes_commands_and_flags(says, monkeypatch, tmp_path):
     for name in ("XDG_DATA_HOME", "BASH_COMPLETION_USER_DIR"):
         monkeypatch.delenv(name, raising=False)
     said = says("--install-completion", "--shell", "bash")
-    script = Path(said.removeprefix("written ").split(";")[0])
+    script = Path(said.partition("installed to ")[2].splitlines()[0])
     assert script.is_relative_to(tmp_path)
 
     def completed(*words):
@@ -70,14 +71,13 @@ def test_bash_completes_commands_and_flags(says, monkeypatch, tmp_path):
     assert completed("asperity", "predict", "--modulus", "sh") == {"shear"}
 
 
-def test_a_shell_that_is_not_recognized_is_asked_for(refused, monkeypatch):
+def test_a_shell_that_is_not_recognized_is_asked_for(asperity, monkeypatch, capsys):
     from cyclopts.completion import detect
 
-    def detection():
-        raise detect.ShellDetectionError
-
-    monkeypatch.setattr(detect, "detect_shell", detection)
-    refused("--install-completion")
+    monkeypatch.setattr(detect, "detect_shell", Mock(side_effect=detect.ShellDetectionError))
+    with pytest.raises(SystemExit):
+        asperity("--install-completion")
+    assert "--shell" in capsys.readouterr().err
 
 
 def test_a_run_becomes_a_file(asperity, finished, tmp_path):

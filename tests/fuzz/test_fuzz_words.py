@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from asperity.app.campaign import Plan, read_plan
+from asperity.app.cli.app import app
 from asperity.app.config import RunConfig, read_config
-from asperity.app.config.mistakes import flag_of
 from asperity.app.config.reading import to_toml
 from asperity.ask.section import KINDS
 from tests.fuzz.fuzzing import Draw, damage_bytes, fuzz, tried
@@ -74,17 +74,6 @@ COMMANDS = [
 FILES = {
     "surface": "rough.npy", "fit": "table.csv", "sweep": "campaign.toml", "gather": "x", "status": "x",
 }
-SWITCHES = {
-    "run": ["--out", "--overwrite", "--quiet"],
-    "surface": ["--out", "--overwrite"],
-    "fit": [
-        "--law", "--out", "--json", "--overwrite", "--window", "--column-time", "--column-value",
-        "--column-stderr", "--quantity", "--unit-time", "--columns", "--unit",
-    ],
-    "sweep": ["--out", "--workers", "--scheduler", "--retry-failed", "--quiet"],
-    "gather": ["--to", "--overwrite"],
-    "reproduce": ["--out", "--quick", "--seed", "--workers", "--scheduler", "--quiet"],
-}
 # fmt: on
 
 
@@ -95,6 +84,14 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("asperity.base.machine.available", lambda: 3_000_000)
     np.save("rough.npy", np.random.default_rng(0).normal(size=(6, 8)))
     Path("table.csv").write_text("t,mu\n1,0.6\n10,0.61\n100,0.625\n1000,0.63\n")
+
+
+def flags_of(command: str) -> list[str]:
+    """Flags of a command, but that which opens a window, and one that there is not."""
+    is_ours = command in app and not command.startswith("-")
+    arguments = app[command].assemble_argument_collection() if is_ours else []
+    flags = {name for one in arguments if one.parse for name in one.names if name.startswith("--")}
+    return sorted(flags - {"--open"} | {"--x"})
 
 
 def value(draw: Draw, key: str, bad: float) -> str:
@@ -191,7 +188,6 @@ def test_command_lines(
     monkeypatch.setattr("asperity.app.cli.campaign.sweep", lambda *_, **__: None)
     if importlib.util.find_spec("asperity_research"):
         monkeypatch.setattr("asperity_research.commands.study.answer", lambda *_, **__: None)
-    flags = [flag_of(section, key) for section, keys in KEYS.items() for key in keys]
 
     def attempt(draw: Draw) -> None:
         command = draw.one(COMMANDS)
@@ -200,8 +196,7 @@ def test_command_lines(
             words += ["--shape", "8,8", "--times", "1", "--figures", "", "--maps-at", "", "--overwrite"]
         bad = draw.one([0.1, 0.4])
         for _ in range(draw.between(0, 3)):
-            own = SWITCHES.get(command, []) + (flags if command in ("run", "surface") else ["--x"])
-            flag = draw.one(own)
+            flag = draw.one(flags_of(command))
             if flag in words and draw.chance(0.8):
                 continue
             fine = [word.strip('[]"') for word in FINE.get(flag.strip("-").replace("-", "_"), NUMBERS)]

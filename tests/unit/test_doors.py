@@ -20,7 +20,7 @@ from asperity.app.cli.flags import flags_for, given, keys_for
 from asperity.app.config import RunConfig, config_from
 from asperity.app.config.keys import QUESTIONS, sections
 from asperity.app.config.mistakes import Door
-from asperity.app.config.reading import asked_at, config_at
+from asperity.app.config.reading import asked_at, config_at, to_toml
 from asperity.app.explore.server import Places, read_request
 from asperity.ask.solid import OF_DATA
 from asperity.base.parameters import parameters_of
@@ -222,8 +222,14 @@ def test_a_value_is_the_same_through_all_doors(section: str, keys: dict[str, Any
     keys = {name: value for name, value in keys.items() if value is not None}
     texts = with_units(section, keys)
     assert (texts == keys) == (keys.get("kind") in ("gaussian", "exponential", "self_affine"))
-    opened = [one for asked in (keys, texts) for one in through_doors(section, asked, tmp_path)]
+    check_doors(section, keys, texts, tmp_path)
+
+
+def check_doors(section: str, keys: dict[str, Any], texts: dict[str, Any], folder: Path) -> None:
+    """Numbers, and texts with units, are the same in a file, flags, the form and Python."""
+    opened = [one for asked in (keys, texts) for one in through_doors(section, asked, folder)]
     parts = [one.protocol[0] if one.protocol else getattr(one, section) for one in opened]
+    assert config_from(tomllib.loads(to_toml(opened[0])), {}, None) == opened[0]
     first, *others = [facts(one if section == "protocol" else vars(one)) for one in parts]
     for one in others:
         check_equal(one, first)
@@ -301,15 +307,11 @@ def test_lengths_of_made_surfaces_are_in_their_unit(unit: str, text: Any, tmp_pa
             check_equal(facts(built), facts(in_python("surface", keys)))
 
 
+SPELLINGS = {"µm": "um", "μm": "um", "micron": "um", "Å": "angstrom", "nanometer": "nm", "NM": "nm"}
+
+
 def test_units_have_one_spelling() -> None:
-    for spelling, unit in (
-        ("µm", "um"),
-        ("μm", "um"),
-        ("micron", "um"),
-        ("Å", "angstrom"),
-        ("nanometer", "nm"),
-        ("NM", "nm"),
-    ):
+    for spelling, unit in SPELLINGS.items():
         surface = Surface(np.eye(4), unit=spelling, pixel_size=2.0, length_unit=spelling)  # type: ignore[arg-type]
         across = {"um": 1e-6, "angstrom": 1e-10, "nm": 1e-9}[unit]
         assert (surface.unit, surface.length_unit) == (unit, unit)

@@ -116,12 +116,26 @@ def test_advice_on_what_to_install_names_the_clone_if_there_is_one(url, tmp_path
     assert found == ((clone, f"{clone}/research") if is_clone else ("asperity", "asperity-research"))
 
 
-def test_what_is_slow_or_optional_is_imported_late():
-    late = {"dask", "distributed", "pint", "SurfaceTopography", "matplotlib", "jinja2", "scipy.signal"}
-    loads = "import sys, asperity.app.cli.app, asperity as asp, asperity.base.units as u, asperity.relaxation"
-    code = f"{loads}; asp.press; u.quantity('3', 'Pa'); print({late!r} & set(sys.modules))"
-    done = python(code, folder=None)
-    assert done.stdout == "set()\n", done.stderr
+ENGINE = "scipy.fft numba xarray matplotlib"
+OPTIONAL = "dask distributed pint SurfaceTopography matplotlib jinja2 scipy.signal"
+OF_ALL = "import sys, asperity.app.cli.app, asperity as asp, asperity.base.units as u, asperity.relaxation"
+LATE = {
+    "import asperity": "numpy xarray matplotlib",
+    "import asperity; asperity.analysis.patches; asperity.results": "matplotlib",
+    "import asperity; asperity.figures": "matplotlib.pyplot",
+    f"{OF_ALL}; asp.press; u.quantity('3', 'Pa')": OPTIONAL,
+    "from asperity.app.cli import main; main(['run', '--help']); main(['run', '--out', '.'])": ENGINE,
+    "from asperity.app.cli import main; main(['--help']); main(['--out', '.'])": f"{ENGINE} numpy pydantic",
+}
+"""What does not import which modules."""
+
+
+@pytest.mark.parametrize("code", LATE)
+def test_what_is_slow_or_optional_is_imported_late(code):
+    done = python(
+        f"{code}; import sys; sys.exit(str({{*{LATE[code].split()}}} & sys.modules.keys()))", folder=None
+    )
+    assert done.stderr.splitlines()[-1] == "set()"
 
 
 PRESSES = {

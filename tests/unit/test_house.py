@@ -166,19 +166,6 @@ def test_every_room_is_reached():
         assert asperity.__getattr__(room.removeprefix("app.")) is sys.modules[f"asperity.{room}"]
 
 
-def test_imports_are_light_and_a_room_is_reached_whatever_was_imported_before():
-    code = """
-import sys, asperity
-assert not {"numpy", "xarray", "matplotlib"} & set(sys.modules)
-asperity.analysis.patches
-asperity.results
-assert "matplotlib" not in sys.modules
-asperity.figures
-assert "matplotlib.pyplot" not in sys.modules
-"""
-    assert subprocess.run([sys.executable, "-c", code], check=False, timeout=120).returncode == 0
-
-
 def test_whatever_waits_for_a_process_in_a_test_has_a_limit():
     unlimited = []
     for file in Path(__file__).parents[1].rglob("*.py"):

@@ -23,7 +23,7 @@ import pytest
 import xarray as xr
 
 import asperity as asp
-from asperity.errors import InputError
+from asperity.errors import CallError, InputError
 
 ROUGH = (np.round(8 * np.random.default_rng(1).normal(size=(8, 8))) / 8 + 0.0).tolist()
 LATTICE = asp.solids.spring_lattice(k0=1.0, k1=3.0)
@@ -31,6 +31,7 @@ CONTACT = asp.press(ROUGH, LATTICE, load=8.0)
 STUCK = asp.press(ROUGH, asp.solids.half_space(modulus=8.0, adhesion=asp.solids.Dugdale(1.0, 1.0)), load=8.0)
 HISTORY = asp.age(CONTACT, [1.0], fields_at=[0.0, 1.0])
 MASK = np.asarray(CONTACT.in_contact)
+THEORY = asp.theory
 LAWS: list[asp.theory.HeightLaw] = [
     asp.theory.GaussianHeights(2.0),
     asp.theory.ExponentialHeights(2.0),
@@ -46,6 +47,7 @@ CREEP = {"x1": 3.0, "x2": [0.5, 2.0], "viscous": 0.5, "dimension": 2}
 FORCES = {"x1": 3.0, "x2": [0.0, 1.0, 2.0], "viscous": 0.5, "dimension": 1}
 MAXWELL = [[0.25, 0.5], [0.5, 8.0]]
 SERIES = asp.relaxation.PronySeries(2.0, ((0.25, 0.5), (0.5, 8.0)))
+ZENER = asp.relaxation.PronySeries(4.0, ((0.5, 1.0),))
 RELAXED = (np.round(8 * SERIES.modulus_at(TIME)) / 8 + 0.0).tolist()
 STIFFENING = RELAXED[::-1]
 FADING = {"exponent": 0.5, "time": 4.0, "first": 0.5, "last": 64.0, "accuracy": 0.125}
@@ -95,8 +97,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     call(asp.friction.velocity_steps, velocities=[1.0, 4.0], distance=8.0),
     call(asp.friction.synthetic_record, protocol=STEPPED, law=RATE_AND_STATE, per_leg=4, noise=0.25, seed=1),
     call(asp.friction.RateAndState, a=0.25, b=0.5, D_c=2.0, mu_0=1.0, V_0=4.0),
-    call(RATE_AND_STATE.state, **SLID, start=2.0),
-    call(RATE_AND_STATE.friction, **SLID, start=2.0),
+    *(call(one, **SLID, start=2.0) for one in (RATE_AND_STATE.state, RATE_AND_STATE.friction)),
     call(RATE_AND_STATE.steady_friction, velocity=[1.0, 4.0]),
     call(asp.friction.Record, **SLID, friction=SHEARED),
     call(asp.friction.rate_and_state, record=RECORD, a=0.0, V_0=2.0),
@@ -135,8 +136,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     call(asp.surfaces.self_affine, size=4, hurst=0.5, delta=0.25, seed=3),
     call(asp.surfaces.spectral, **WAVES, roll_off=8.0, cutoff=4.0, spacing=[0.5, 2.0]),
     call(asp.surfaces.spectral, **WAVES, spacing=0.5, rms_height=2.0),
-    call(asp.surfaces.spectral, **WAVES, rms_slope=2.0),
-    call(asp.surfaces.spectral, **WAVES, rms_curvature=2.0),
+    *(call(asp.surfaces.spectral, **WAVES, **{rms: 2.0}) for rms in ("rms_slope", "rms_curvature")),
     call(asp.surfaces.sphere, **ONE_BALL, radius=8.0),
     call(asp.surfaces.paraboloid, **ONE_BALL, radius=[8.0, 4.0]),
     call(asp.surfaces.punch, **ONE_BALL, radius=2.0),
@@ -151,9 +151,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     call(asp.surfaces.read, path="heights.npy", max_undefined=0.25),
     call(asp.surfaces.read, path="heights.npy", longest=8.0, shortest=2.0, pixel_size=[0.5, 2.0]),
     call(asp.surfaces.read, path="heights.npy", crop=[1.0, 6.0, 2.0, 8.0], pixel_size=0.5),
-    call(asp.fits.saturation, **CURVE),
-    call(asp.fits.logarithm, **CURVE),
-    call(asp.fits.compare, **CURVE),
+    *(call(one, **CURVE) for one in (asp.fits.saturation, asp.fits.logarithm, asp.fits.compare)),
     call(asp.fits.growth_rate, **CURVE, first=1.0, last=64.0, initial=10.0, initial_stderr=0.5),
     call(asp.fits.power_law, x=TIME, y=AREA, stderr=ERROR),
     call(asp.fits.local_exponent, x=TIME, y=AREA),
@@ -163,19 +161,15 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     call(LOGARITHM.area_ratio, time=[0.0, 2.0]),
     call(asp.fits.power_law(TIME, AREA).predict, x=[1.0, 2.0]),
     call(asp.fits.growth_rate(TIME, AREA, initial=10.0).predict, time=[1.0, 2.0]),
-    call(asp.theory.compliance, **CREEP),
-    call(asp.theory.compliance_rate, **CREEP),
-    call(asp.theory.compliance_asymptote, **CREEP),
+    *(call(one, **CREEP) for one in (THEORY.compliance, THEORY.compliance_rate, THEORY.compliance_asymptote)),
     call(asp.theory.compliance_asymptote_paper, x2=4.0),
-    call(asp.theory.exponential_growth, **CREEP),
-    call(asp.theory.exponential_growth_paper, **CREEP),
+    *(call(one, **CREEP) for one in (THEORY.exponential_growth, THEORY.exponential_growth_paper)),
     call(asp.theory.displacement, offset=[1, 2], **CREEP),
     call(asp.theory.torus_compliance, x1=3.0, x2=[0.5, 2.0], viscous=0.5, shape=(4, 6)),
     call(asp.theory.site_stiffness, x1=3.0, dimension=1),
     call(asp.theory.late_slope, x1=[1.0, 3.0], viscous=0.5, dimension=2),
     call(asp.theory.late_slope_paper, x1=3.0),
-    call(asp.theory.response, **FORCES, force=[1.0, 2.0, 1.0]),
-    call(asp.theory.response_rate, **FORCES, force=[1.0, 2.0, 1.0]),
+    *(call(one, **FORCES, force=[1.0, 2.0, 1.0]) for one in (THEORY.response, THEORY.response_rate)),
     call(asp.theory.dilute_area, load_per_site=[0.25, 0.5], compliance=0.5, heights=LAWS[0]),
     call(asp.theory.winkler_area, load_per_site=[0.25, 0.5], k1=3.0, heights=LAWS[0]),
     call(asp.theory.dilute_horizon, area_fraction=0.25, dimension=2),
@@ -186,22 +180,14 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     call(asp.theory.flowing_area, time=[1.0, 2.0], load=8.0, area=0.5, at=1.0, stress=0.5),
     call(asp.theory.full_contact_load, heights=ROUGH, k0=2.0, k1=3.0),
     call(asp.theory.full_contact_load_relaxed, heights=ROUGH, k0=2.0),
-    call(
-        asp.theory.ting,
-        time=[0.0, 1.0, 2.0, 2.25],
-        depth=[-1.0, 2.0, 2.0, 1.0],
-        series=asp.relaxation.PronySeries(4.0, ((0.5, 1.0),)),
-        radius=8.0,
-    ),
+    call(THEORY.ting, time=[0.0, 1.0, 2.0, 2.25], depth=[-1.0, 2.0, 2.0, 1.0], series=ZENER, radius=8.0),
     call(asp.theory.hertz, load=[0.0, 0.5], modulus=2.0, radius=8.0, period=16.0),
     call(asp.theory.westergaard_area, pressure=[0.0, 0.25], modulus=2.0, amplitude=0.5, wavelength=8.0),
     call(asp.theory.persson_area, pressure=[0.0, 0.25], modulus=2.0, slope=0.5),
-    call(asp.theory.GaussianHeights, rms=2.0),
-    call(asp.theory.ExponentialHeights, rms=2.0),
+    *(call(one, rms=2.0) for one in (THEORY.GaussianHeights, THEORY.ExponentialHeights)),
     call(asp.theory.EmpiricalHeights, heights=[0.5, 1.0, 4.0]),
     *(call(law.separation_for, mean_excess=[0.25, 0.5]) for law in LAWS),
-    *(call(law.exceedance, separation=[0.25, 0.5]) for law in LAWS),
-    *(call(law.mean_excess, separation=[0.25, 0.5]) for law in LAWS),
+    *(call(one, separation=[0.25, 0.5]) for law in LAWS for one in (law.exceedance, law.mean_excess)),
     call(asp.analysis.patches, in_contact=MASK, connectivity=2),
     call(asp.analysis.clustering, in_contact=MASK, box=2),
     call(asp.analysis.link_patches, before=MASK, after=MASK, connectivity=2),
@@ -447,6 +433,17 @@ def test_numbers_of_every_type_give_the_same_and_what_is_none_is_refused(functio
             if not welcome and not (wrong is None and key in optional):
                 named = refused(function, arguments | {key: wrong})
                 assert any(word in named for word in (key, *NAMED_OTHERWISE.get(key, ()))), named
+
+
+def test_an_argument_that_does_not_exist_or_is_missing_is_answered():
+    for function, arguments in (one for one in CALLS if isinstance(one[0], FunctionType | type)):
+        with pytest.raises(CallError) as unknown:
+            function(**arguments, nope=1)
+        assert (unknown.value.got, isinstance(unknown.value, TypeError)) == ("'nope'", True)
+    springs: Any = asp.solids.spring_lattice
+    for call, got in ((lambda: springs(k0=1.0), "'k1'"), (lambda: springs(1.0, 3.0), "too many")):
+        with pytest.raises(CallError, match=got):
+            call()
 
 
 @pytest.mark.parametrize(("name", "function"), THINGS, ids=[name for name, _ in THINGS])

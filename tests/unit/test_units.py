@@ -14,7 +14,7 @@ from asperity import Contact, age, press
 from asperity.base.units import _PREFIXES, factor, quantity
 from asperity.base.words import data_size, duration, thousands, uncertain
 from asperity.protocols import Hold, Ramp, Repeat, Step
-from asperity.solids import coated_half_space, half_space, layer, spring_lattice
+from asperity.solids import half_space, spring_lattice
 from asperity.surfaces import Surface, gaussian
 from tests.refusals import each_refuses, refuses
 
@@ -121,21 +121,6 @@ def test_a_unit_in_another_case_is_refused_with_the_one_that_is_meant(written, u
     advised, reason = error.advice.split(", ")
     assert quantity(advised, unit) == pytest.approx(meant)
     assert reason == "as case matters"
-
-
-def test_solids_take_units() -> None:
-    thin: dict[str, Any] = {"modulus": 3e9, "poisson": 0.3, "thickness": 4e-6}
-    written: dict[str, Any] = {"modulus": "3 GPa", "poisson": 0.3, "thickness": "4 µm"}
-    assert layer(**written) == layer(**thin)
-    coated = coated_half_space(**written, base_modulus="10 GPa", base_poisson=0.2)
-    assert coated == coated_half_space(**thin, base_modulus=1e10, base_poisson=0.2)
-    assert half_space(modulus="3000 MPa", apparatus="1 MN/m") == MACHINE
-    relaxing = half_space(modulus="3 GPa", branches=[(0.3, "10 ms"), (0.2, "1 min")])
-    assert relaxing == HALF_SPACE
-    same(press(SCAN, relaxing, pressure=1e7), press(SCAN, HALF_SPACE, pressure=1e7))
-    for solid in (coated, relaxing):
-        with refuses("units", "'3 GPa'"):
-            press(BARE, solid, load=1.0)
 
 
 def test_loads_pressures_and_separations_take_units() -> None:

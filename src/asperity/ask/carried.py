@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from annotated_types import Gt, Len
 
 from asperity.ask.strength import ShearStrength
 from asperity.base import checks
-from asperity.base.parameters import Quantity
-from asperity.errors import InputError
+from asperity.base.parameters import Needs, Quantity, check_needs
 
 Each = float | str | Sequence[float | str]
 """A number or a text with a unit, of the half-space and perhaps of the rough body."""
@@ -54,31 +53,28 @@ class Carried:
         Only one of shear and friction is given, or the strength is none.
     """
 
+    needs: ClassVar[Needs] = (("shear", ("friction",)), ("friction", ("shear",)))
+
     strength: ShearStrength | None = None
     stiffness: Annotated[
         bool,
-        Quantity(
-            "record the normal stiffness",
-            more=", and the tangential one if the solid has one Poisson's ratio.",
-        ),
+        Quantity("record the normal stiffness, and the tangential one if the solid has one Poisson's ratio."),
     ] = False
     resistivity: Annotated[
         Each | None,
         *(Gt(0), Len(1, 2)),
-        Quantity(
-            "electrical resistivity", "ohm m", more=", one value or one for each body: record the resistance."
-        ),
+        Quantity("electrical resistivity, one value or one for each body: record the resistance.", "ohm m"),
     ] = None
     conductivity: Annotated[
         Each | None,
         *(Gt(0), Len(1, 2)),
-        Quantity("thermal conductivity", "W/m/K", more=", likewise: record the thermal resistance."),
+        Quantity("thermal conductivity, likewise: record the thermal resistance.", "W/m/K"),
     ] = None
     poisson: float | None = None
     shear: Annotated[
         float | str | None,
         Gt(0),
-        Quantity("shear force", "N", more=": record the fraction of the contact that sticks."),
+        Quantity("shear force: record the fraction of the contact that sticks.", "N"),
     ] = None
     friction: Annotated[
         float | None,
@@ -88,16 +84,16 @@ class Carried:
     direction: Annotated[
         Literal["x", "y"] | None,
         Quantity(
-            "direction of the shear force and of the tangential stiffness",
-            more=": x along the rows, y from row to row. By default x for the force, and without one the "
-            "stiffness in the softest and the stiffest direction and a mean.",
+            "direction of the shear force and of the tangential stiffness: x along the rows, y from row to "
+            "row. By default x for the force, and without one the stiffness in the softest and the stiffest "
+            "direction and a mean.",
             key="shear_direction",
         ),
     ] = None
     work_of_adhesion: Annotated[
         float | str | None,
         Gt(0),
-        Quantity("work of adhesion", "J/m^2", more=": record the pull-off force, without further creep."),
+        Quantity("work of adhesion: record the pull-off force, without further creep.", "J/m^2"),
     ] = None
 
     def __post_init__(self) -> None:
@@ -105,9 +101,7 @@ class Carried:
             checks.instance(
                 "strength", self.strength, ShearStrength, "asperity.friction.ShearStrength('50 MPa')"
             )
-        if (self.shear is None) != (self.friction is None):
-            got = "friction" if self.shear is None else "shear"
-            raise InputError("shear and friction", expected="both or none of them", got=f"{got} alone")
+        check_needs(self, self.needs)
 
     @property
     def responds(self) -> bool:

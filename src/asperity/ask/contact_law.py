@@ -73,14 +73,14 @@ class Law(Question):
     pressures: Annotated[
         Sequence[float | str] | checks.Floats,
         Quantity(
-            "load over nominal area",
+            "load over nominal area: the two ends of a range, such as 0.1MPa 100MPa, or three values "
+            "or more.",
             "Pa",
-            more=": the two ends of a range, such as 0.1MPa 100MPa, or three values or more.",
         ),
     ]
     times: Annotated[
         Sequence[float | str] | checks.Floats | float | str | None,
-        Quantity("ages", "s", more=', such as 0s 1h "1 year". By default 0s, if nothing creeps.'),
+        Quantity('ages, such as 0s 1h "1 year". By default 0s, if nothing creeps.', "s"),
     ] = None
     per_decade: Annotated[int, *(Ge(1), Le(1000)), Quantity("pressures in each decade of a range")] = 10
     carried: Carried | None = None

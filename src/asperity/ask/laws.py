@@ -2,62 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Literal
 
 from asperity.ask.section import Keys
+from asperity.base.checks import any_of
 from asperity.base.parameters import Parameter, Quantity, parameters_of
 from asperity.creep import Eyring
-from asperity.errors import Name
 from asperity.solids import LAWS
 
-
-def any_of(words: Iterable[str]) -> str:
-    """Words of which one is meant: ``one, two or three``."""
-    *some, last = words
-    return f"{', '.join(some)} or {last}" if some else last
-
-
-def named(keys: Iterable[str], between: str = ", ") -> tuple[str, ...]:
-    """Keys for a message, as each door writes them."""
-    parts = [part for key in sorted(keys) for part in (between, Name(key))]
-    return tuple(parts[1:]) or ("none",)
-
-
-FORMULAS = {
-    kind: any_of(f"{name}, {law.formula}" for name, law in laws.items()) for kind, laws in LAWS.items()
-}
-"""Laws in words, by kind."""
+ACTIVATED = {f"creep_{name}": one.optional for name, one in parameters_of(Eyring.activated).items()}
+ACTIVATED["temperature"] = ACTIVATED.pop("creep_temperature")
+"""Keys from which a law of Eyring follows."""
 
 KEYS_OF_LAWS: dict[str, dict[str, list[set[str]]]] = {
     kind: {name: [{f"{kind}_{of}" for of in parameters_of(law)}] for name, law in laws.items()}
     for kind, laws in LAWS.items()
 }
-ACTIVATED = {
-    **{f"creep_{name}": one.optional for name, one in parameters_of(Eyring.activated).items()},
-    "temperature": parameters_of(Eyring.activated)["temperature"].optional,
-}
-del ACTIVATED["creep_temperature"]
-KEYS_OF_LAWS["creep"]["eyring"].append(set(ACTIVATED))
+KEYS_OF_LAWS["creep"]["eyring"].append({*ACTIVATED})
 """Alternative sets of keys of each law."""
 
-ACTIVATION = KEYS_OF_LAWS["creep"]["eyring"][-1]
 OF_LAWS = {
-    kind: {key for ways in laws.values() for way in ways for key in way}
+    kind: set[str]().union(*(way for ways in laws.values() for way in ways))
     for kind, laws in KEYS_OF_LAWS.items()
 }
 """Keys of the laws of each kind."""
 
 _SAID = {
-    "creep": f"Local law of creep: {FORMULAS['creep']}; s is the pressure, "
+    "creep": "Local law of creep: {}; s is the pressure, "
     "or on the lattice of springs the force of a spring to the bulk",
-    "adhesion": f"Law of adhesion: {FORMULAS['adhesion']}",
+    "adhesion": "Law of adhesion: {}",
 }
 
 
 def _keys(kind: str) -> Keys:
     """Keys of the laws of a kind."""
-    words = Parameter(Literal[(*LAWS[kind], "none")] | None, (Quantity(_SAID[kind]),), None)
+    said = _SAID[kind].format(any_of(f"{name}, {law.formula}" for name, law in LAWS[kind].items()))
+    words = Parameter(Literal[(*LAWS[kind], "none")] | None, (Quantity(said),), None)
     return {kind: words} | {
         f"{kind}_{name}": parameter.optional
         for law in LAWS[kind].values()

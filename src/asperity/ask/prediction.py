@@ -111,9 +111,9 @@ class Predict(Question):
         float | str | None,
         Gt(0),
         Quantity(
-            "time over which the load rises linearly",
+            "time over which the load rises linearly, such as 2.4s; all times count from its start. "
+            "By default instantly.",
             "s",
-            more=", such as 2.4s; all times count from its start. By default instantly.",
         ),
     ] = None
     protocol: Sequence[Leg] | Leg | None = None
@@ -127,8 +127,7 @@ class Predict(Question):
     resolution_study: Annotated[
         bool,
         Quantity(
-            "predict also without the shortest waves of the scan",
-            more=", to see what a finer scan would change.",
+            "predict also without the shortest waves of the scan, to see what a finer scan would change."
         ),
     ] = False
     rtol: float = Aging.keys["rtol"].default  # type: ignore[assignment]
@@ -146,16 +145,13 @@ class Predict(Question):
         self._load_by_legs()
         super().__post_init__()
         if (strength := getattr(self.carried, "strength", None)) is not None:
-            expected, advice = (
-                "none, as a band needs no history of contacts",
-                "shear_strength=..., or asperity.age",
-            )
+            expected = "none, as a band needs no history of contacts"
+            advice = "shear_strength=..., or asperity.age"
             raise InputError("strength", expected=expected, got=strength, advice=advice)
         seen = checks.instance("instrument", self.instrument or {}, dict, "{'pixel': '0.2 um'}")
         if others := seen.keys() - {*_INSTRUMENT}:
-            raise InputError(
-                "instrument", expected="pixel, blur and threshold", got=repr(min(others, key=str))
-            )
+            got = repr(min(others, key=str))
+            raise InputError("instrument", expected="pixel, blur and threshold", got=got)
         seen = {name: Output.keys[name].read(name, value) for name, value in seen.items()}
         object.__setattr__(self, "instrument", seen and {"blur": 0.0, "threshold": 0.5, **seen})
         if self.times is not None:

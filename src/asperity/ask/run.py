@@ -10,13 +10,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal, cast
 
 from annotated_types import Ge, Gt, Le, Len
 
 from asperity.ask.carried import Carried as CarriedQuantities
 from asperity.ask.legs import read_legs
-from asperity.ask.section import KINDS, Keys, Section, SectionError, arguments_of, keys_of_maker, unknown_key
+from asperity.ask.section import KINDS, Section, SectionError, arguments_of, keys_of_maker, unknown_key
 from asperity.ask.solid import SOLIDS, SolidSection
 from asperity.ask.strength import ShearStrength
 from asperity.ask.surface import SURFACES, SurfaceSection
@@ -49,59 +49,49 @@ class Contact(Section):
     """A load, a pressure or a separation; by default about 1 % of the surface touches."""
 
     section = "contact"
+    ways = (({"load"}, {"pressure"}, {"separation"}),)
 
     load: Annotated[
         float | None,
-        Quantity("normal load", "N", more="; 0 before a ramp, below 0 with adhesion. " + _USUAL_LOAD),
+        Quantity(f"normal load; 0 before a ramp, below 0 with adhesion. {_USUAL_LOAD}", "N"),
     ] = None
     pressure: Annotated[
         float | None,
-        Quantity("load over nominal area", "Pa", more=", in place of the load. " + _USUAL_PRESSURE),
+        Quantity(f"load over nominal area, in place of the load. {_USUAL_PRESSURE}", "Pa"),
     ] = None
     separation: Annotated[
-        float | None, Quantity("mean height of the undeformed solid", "m", more=", in place of the load.")
+        float | None, Quantity("mean height of the undeformed solid, in place of the load.", "m")
     ] = None
-
-    def check(self) -> None:
-        """Refuse two of the three."""
-        if len(names := list(self.table)) > 1:
-            got = "both" if len(names) == 2 else "all"
-            raise self.wrong(expected=f"{', '.join(names[:-1])} or {names[-1]}", got=got)
 
 
 class Aging(Section):
     """The times to record ([0.0]: only the start and the limit), the constant quantity, and the tolerance."""
 
     section = "aging"
+    ways = (({"times"}, {"first", "last", "per_decade"}),)
 
-    first: Annotated[_Span, Quantity("first time to record", "s", more=". " + _USUAL_FIRST, swept=False)] = (
-        None
-    )
-    last: Annotated[_Span, Quantity("last time to record", "s", more=". " + _USUAL_LAST, swept=False)] = None
+    first: Annotated[_Span, Quantity(f"first time to record. {_USUAL_FIRST}", "s", swept=False)] = None
+    last: Annotated[_Span, Quantity(f"last time to record. {_USUAL_LAST}", "s", swept=False)] = None
     per_decade: Annotated[int, Ge(1), Le(1000), Quantity("times to record in each decade", swept=False)] = 4
     times: Annotated[
         Sequence[_Time] | None,
         Len(1),
         Quantity(
-            "times to record",
+            "times to record, listed, in place of first, last and times per decade.",
             dimension="time",
-            more=", listed, in place of first, last and times per decade.",
             swept=False,
         ),
     ] = None
     hold: Annotated[
         Literal["load", "separation"] | None,
-        Quantity("quantity that stays constant", more=". By default the one that pressed it."),
+        Quantity("quantity that stays constant. By default the one that pressed it."),
     ] = None
     rtol: Annotated[float, Ge(1e-6), Le(0.1), Quantity("relative tolerance of the time steps")] = 2e-3
 
     def check(self) -> None:
         """Refuse listed times beside a span, and times that do not increase."""
-        if self.times is None:
-            return
-        if rivals := self.stated & {"first", "last", "per_decade"}:
-            raise self.wrong(expected=f"times or {', '.join(sorted(rivals))}", got="both")
-        for earlier, later in pairwise(self.times):
+        super().check()
+        for earlier, later in pairwise(self.times or []):
             if later <= earlier:
                 got = f"{later:g} after {earlier:g}"
                 raise self.wrong("times", expected="strictly increasing times", got=got)
@@ -110,50 +100,33 @@ class Aging(Section):
 class Friction(Section):
     """The shear strength that gives friction from the contact area; none by default."""
 
-    section = "friction"
-    keys: ClassVar[Keys] = {name: one.optional for name, one in keys_of_maker(ShearStrength).items()}
+    section, makes = "friction", ShearStrength
+    needs = tuple(
+        (key, ("shear_strength",)) for key in sorted(keys_of_maker(ShearStrength)) if key != "shear_strength"
+    )
 
     @property
     def strength(self) -> ShearStrength | None:
         """The shear strength, if there is one."""
-        return ShearStrength(**arguments_of(ShearStrength, self)) if self.stated & self.table.keys() else None
-
-    def check(self) -> None:
-        """Refuse a rate without a strength, or without its velocity."""
-        if self.table and self.shear_strength is None:
-            expected = (Name("shear_strength"), " beside it")
-            raise self.wrong(min(self.table), expected=expected, got="none")
-        try:
-            _ = self.strength
-        except InputError as error:
-            raise error.about(error.name, "friction", error.name) from None
+        return cast(ShearStrength | None, self.made())
 
 
 class Carried(Section):
     """Stiffness, resistances, stick and pull-off of the contact on a half-space, recorded at each time."""
 
-    section = "carried"
-    keys: ClassVar[Keys] = keys_of_maker(CarriedQuantities)
-
-    def check(self) -> None:
-        """Refuse a shear force without a coefficient, and the other way round."""
-        names = ("shear", "friction_coefficient")
-        if (self.shear is None) != (self.friction_coefficient is None):
-            other, name = names if self.shear is None else names[::-1]
-            raise self.wrong(name, expected=(Name(other), " beside it"), got="none")
+    section, makes = "carried", CarriedQuantities
 
 
 class Output(Section):
     """Maps, figures, and an instrument."""
 
     section = "output"
+    needs = (("threshold", ("pixel", "blur")),)
 
     maps_at: Annotated[
         Sequence[_Time] | None,
         Quantity(
-            "times at which the contact is stored and drawn",
-            more=". By default 0 and five others.",
-            swept=False,
+            "times at which the contact is stored and drawn. By default 0 and five others.", swept=False
         ),
     ] = None
     figures: Annotated[
@@ -162,28 +135,23 @@ class Output(Section):
     measured: Annotated[
         str | None,
         Quantity(
-            "table of a measured contact area, or fraction of the nominal area, against time, with units",
-            more=": the figure of the area shows it, and the ratio measured / computed.",
+            "table of a measured contact area, or fraction of the nominal area, against time, with units: "
+            "the figure of the area shows it, and the ratio measured / computed.",
             swept=False,
         ),
     ] = None
     pixel: Annotated[
         _Size,
-        Quantity(
-            "pixel of a microscope through which the maps are seen", "m", more=", or in sites.", swept=False
-        ),
+        Quantity("pixel of a microscope through which the maps are seen, or in sites.", "m", swept=False),
     ] = None
     blur: Annotated[
         _Size,
-        Quantity(
-            "full width at half maximum of its point spread function", "m", more=", likewise.", swept=False
-        ),
+        Quantity("full width at half maximum of its point spread function, likewise.", "m", swept=False),
     ] = None
     threshold: Annotated[
         _Share,
         Quantity(
-            "fraction of contact above which a pixel counts as contact",
-            more=". By default the fractions are added.",
+            "fraction of contact above which a pixel counts as contact. By default the fractions are added.",
             swept=False,
         ),
     ] = None
@@ -195,9 +163,7 @@ class Output(Section):
 
     def check(self) -> None:
         """Refuse a threshold without an instrument, and an instrument without maps."""
-        if self.threshold is not None and self.pixel is None and self.blur is None:
-            expected = (Name("pixel"), " or ", Name("blur"), " beside it")
-            raise self.wrong("threshold", expected=expected, got="neither")
+        super().check()
         if self.maps_at == [] and self.instrument:
             name = next(iter(self.instrument))
             raise self.wrong(name, expected="maps to look at", got="maps_at = []")
@@ -270,11 +236,8 @@ class RunConfig:
             first, last = self.span
             raise self.aging.wrong("last", expected=f"more than first, {first:g}", got=f"{last:g}")
         if self.contact.load == 0 and not (self.protocol and self.written_out[0].target):
-            expected, advice = (
-                "a protocol that begins with a ramp beside 0",
-                "a first leg such as 'ramp 1 load=...'",
-            )
-            raise self.contact.wrong("load", expected=expected, got="none", advice=advice)
+            expected = "a protocol that begins with a ramp beside 0, such as 'ramp 1 load=...'"
+            raise self.contact.wrong("load", expected=expected, got="none")
         self._check_known()
         for home, key in ((self.aging, "times"), (self.output, "maps_at")):
             late = max(getattr(home, key) or [], default=-math.inf)
@@ -328,14 +291,8 @@ class RunConfig:
         ]
         for path, load in pressing:
             if load is not None and (load < 0 or (load == 0 and path != ("contact", "load"))):
-                facts: dict[str, Any] = {
-                    "cure": {"adhesion": "dugdale"},
-                    "advice": f"{-load:g}, which presses",
-                }
-                if not load:
-                    facts = {"advice": "a small one, which lifts the body"}
-                name, got = str(path[-1]), f"{load:g}"
-                raise InputError(name, expected="more than 0", got=got, path=path, **facts)
+                cure = {"adhesion": "dugdale"} if load else {}
+                raise InputError(str(path[-1]), expected="more than 0", got=f"{load:g}", cure=cure, path=path)
 
     @property
     def written_out(self) -> list[Leg]:

@@ -7,12 +7,13 @@ argument of the library, or of an annotated field of the section's class.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, ClassVar, Self
 
-from asperity.base.parameters import Parameter, parameters_of
+from asperity.base.parameters import Needs, Parameter, check_needs, parameters_of
 from asperity.base.words import MEANT, closest
-from asperity.errors import SHOWN_PROBLEMS, InputError, Name, Words
+from asperity.errors import SHOWN_PROBLEMS, InputError, Name, Words, named
 
 Keys = dict[str, Parameter]
 
@@ -38,6 +39,12 @@ class Section:
         Its keys, in their order.
     stated
         Keys that were given.
+    makes
+        What is made of its keys, which are its annotated fields.
+    ways
+        Alternative keys: a flag of one replaces the others.
+    needs
+        Keys of which each needs another beside it.
     """
 
     __slots__ = ("__dict__", "stated")
@@ -45,9 +52,17 @@ class Section:
     section: ClassVar[str]
     kind: ClassVar[str] = ""
     keys: ClassVar[Keys] = {}
+    makes: ClassVar[type | None] = None
+    ways: ClassVar[tuple[tuple[set[str], ...], ...]] = ()
+    needs: ClassVar[Needs] = ()
     stated: frozenset[str]
 
     def __init_subclass__(cls) -> None:
+        if cls.makes:
+            cls.keys = keys_of_maker(cls.makes)
+            names = {name: one.quantity.key or name for name, one in parameters_of(cls.makes).items()}
+            made: Needs = getattr(cls.makes, "needs", ())
+            cls.needs += tuple((names[one], tuple(names[each] for each in others)) for one, others in made)
         own = {name: one for name, one in parameters_of(cls).items() if name not in cls.keys}
         cls.keys = {**vars(cls).get("keys", cls.keys), **{name: one.as_key for name, one in own.items()}}
 
@@ -62,7 +77,28 @@ class Section:
         return type(name, (cls,), {"kind": kind, "keys": {**cls.keys, **keys}, "__module__": cls.__module__})
 
     def check(self) -> None:
-        """Refuse keys that contradict each other."""
+        """Refuse keys that contradict each other, or lack others."""
+        given = self.stated & self.table.keys()
+        for ways in self.ways:
+            names = [min(way & given) for way in ways if way & given]
+            if len(names) > 1:
+                got = "both" if len(names) == 2 else "all"
+                raise self.wrong(expected=named(names, " or "), got=got)
+        with self.located():
+            check_needs(self, self.needs)
+            self.made()
+
+    def made(self) -> Any:
+        """What is made of its keys; None without any."""
+        return self.makes(**arguments_of(self.makes, self)) if self.makes and self.table else None
+
+    @contextmanager
+    def located(self) -> Iterator[None]:
+        """Let mistakes be those of this section, and of its keys that have their names."""
+        try:
+            yield
+        except InputError as error:
+            raise error.about(error.name, self.section, *[error.name] * (error.name in self.keys)) from None
 
     def but(self, **changes: object) -> Self:
         """The same with other values, which are not checked."""

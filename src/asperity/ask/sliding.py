@@ -93,9 +93,8 @@ class SteadySliding(Question):
     speeds: Annotated[
         Sequence[_Speed] | checks.Floats | float | str,
         Quantity(
-            "sliding speeds",
+            "sliding speeds: the two ends of a range, such as 1um/s 10m/s, or one speed, or three or more.",
             "m/s",
-            more=": the two ends of a range, such as 1um/s 10m/s, or one speed, or three or more.",
         ),
     ]
     load: float | str | None = None
@@ -108,9 +107,7 @@ class SteadySliding(Question):
     shear_strength: ShearStrength | float | str | None = None
     beyond_table: Annotated[
         bool,
-        Quantity(
-            "slide also at speeds whose frequencies the table lacks", more="; the fitted branches continue."
-        ),
+        Quantity("slide also at speeds whose frequencies the table lacks; the fitted branches continue."),
     ] = False
     fields_at: Annotated[
         Sequence[_Speed] | None, Quantity("speeds at which the map of pressure is kept", "m/s")

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, cast, get_args
 
 from annotated_types import Gt, Le, Len
 
-from asperity.ask.laws import ACTIVATED, ACTIVATION, KEYS, KEYS_OF_LAWS, OF_LAWS, any_of, named
+from asperity.ask.laws import ACTIVATED, KEYS, KEYS_OF_LAWS, OF_LAWS
 from asperity.ask.section import Keys, Section, arguments_of, keys_of_maker
 from asperity.base.calls import outside
+from asperity.base.checks import any_of
 from asperity.base.files import expanded
-from asperity.base.parameters import Law, Parameter, Quantity, parameters_of
+from asperity.base.parameters import Law, Quantity, check_needs, parameters_of
 from asperity.creep import Eyring
-from asperity.errors import InputError, Name, Words
+from asperity.errors import InputError, Name, Words, named
 from asperity.relaxation import Fit, Material, material
 from asperity.solids import KINDS, LAWS, Solid
 from asperity.solids.arguments import POISSON, Branches
@@ -35,53 +36,36 @@ _BEYOND = 10.0
 """How far the recorded times go beyond the relaxation times on either side."""
 
 TableModulus = Literal["young", "shear", "contact"]
-_OF_MATERIAL = parameters_of(material)
+_OF_BRANCHES = "{} time of the data that gave the branches; {} times need extrapolate = model."
 
-OF_TABLES = {name: one.quantity.key or name for name, one in _OF_MATERIAL.items()}
+OF_TABLES = {name: one.quantity.key or name for name, one in parameters_of(material).items()}
 """Keys about a relaxation table, by the arguments of `asperity.relaxation.material`."""
 
-OF_DATA: Keys = {
-    "relaxation": Parameter(
+_Moment = Annotated[float | None, Gt(0), Le(1e30)]
+
+
+class _Data:
+    relaxation: Annotated[
         str | None,
-        (
-            Quantity(
-                "table of the relaxation",
-                more=": modulus, creep compliance, or storage and loss moduli against time or frequency. It "
-                "gives the branches; and Young's modulus, if no modulus is given.",
-                swept=False,
-            ),
+        Quantity(
+            "table of the relaxation: modulus, creep compliance, or storage and loss moduli against time or "
+            "frequency. It gives the branches; and Young's modulus, if no modulus is given.",
+            swept=False,
         ),
-        None,
-    ),
-    **keys_of_maker(material),
-    "table_modulus": Parameter(
+    ] = None
+    table_modulus: Annotated[
         TableModulus | None,
-        (
-            Quantity(
-                "modulus in the table",
-                more=". By default the one that its header names, else Young's modulus.",
-                swept=False,
-            ),
+        Quantity(
+            "modulus in the table. By default the one that its header names, else Young's modulus.",
+            swept=False,
         ),
-        None,
-    ),
-    **{
-        f"data_{end}": Parameter(
-            float | None,
-            (
-                *(Gt(0), Le(1e30)),
-                Quantity(
-                    f"{end} time of the data that gave the branches",
-                    "s",
-                    more=f"; {other} times need extrapolate = model.",
-                    swept=False,
-                ),
-            ),
-            None,
-        )
-        for end, other in (("first", "earlier"), ("last", "later"))
-    },
-}
+    ] = None
+    data_first: Annotated[_Moment, Quantity(_OF_BRANCHES.format("first", "earlier"), "s", swept=False)] = None
+    data_last: Annotated[_Moment, Quantity(_OF_BRANCHES.format("last", "later"), "s", swept=False)] = None
+
+
+_FIELDS: Keys = {name: one.as_key for name, one in parameters_of(_Data).items()}
+OF_DATA: Keys = {"relaxation": _FIELDS["relaxation"]} | keys_of_maker(material) | _FIELDS
 """Keys about the data of the branches of a solid, which a relaxation table may give."""
 
 
@@ -89,6 +73,11 @@ class SolidSection(Section):
     """A solid, of one kind or another."""
 
     section = "solid"
+    ways = (
+        ({"modulus"}, {"young"}),
+        ({"branches"}, {"relaxation"}, {"flow"}, {"draws"}),
+        ({*ACTIVATED}, {"creep_rate", "creep_stress"}),
+    )
 
     @property
     def make(self) -> Callable[..., Solid]:
@@ -112,7 +101,7 @@ class SolidSection(Section):
         for kind in filter(facts.__contains__, LAWS):
             law = LAWS[kind][facts[kind]]
             if kind == "creep" and "temperature" in facts:
-                activation = {key.removeprefix("creep_"): facts[key] for key in ACTIVATION}
+                activation = {key.removeprefix("creep_"): facts[key] for key in ACTIVATED}
                 laws[kind] = Eyring.activated(**activation)
             else:
                 laws[kind] = law(**{name: facts[f"{kind}_{name}"] for name in parameters_of(law)})
@@ -123,12 +112,12 @@ class SolidSection(Section):
         for law in KEYS_OF_LAWS:
             if getattr(self, law, None) == "none":
                 vars(self)[law] = None
-            self._check_law(law)
         self._check_data()
-        try:
+        for law in KEYS_OF_LAWS:
+            self._check_law(law)
+        with self.located():
+            check_needs(self, self.needs)
             self.build()
-        except InputError as error:
-            raise error.about(error.name, "solid", *[error.name] * (error.name in self.keys)) from None
 
     @property
     def material(self) -> Material:
@@ -147,12 +136,10 @@ class SolidSection(Section):
         ways = [way for way in kinds.get(law or "", []) if way <= self.keys.keys()]
         if law is None and given:
             laws = [name for name, ways in kinds.items() if given <= set().union(*ways)]
-            expected: Words = (any_of(laws or kinds), " beside ", *named(given))
-            foreign = given | ({"permanent"} if getattr(self, "permanent", None) is not None else set())
-            advice: Words = ("to drop ", *named(foreign)) if kind in self.stated else ""
-            raise self.wrong(kind, expected=expected, got="none", advice=advice)
+            expected: Words = (any_of(laws or kinds), " beside ", *named(sorted(given)))
+            raise self.wrong(kind, expected=expected, got="none")
         if law is not None and given not in ways:
-            options = [part for way in ways for part in (" or ", *named(way))][1:]
+            options = [part for way in ways for part in (" or ", *named(sorted(way)))][1:]
             raise self.wrong(
                 kind, expected=(*options, f" beside {law}"), got=", ".join(sorted(given)) or "none"
             )
@@ -177,8 +164,17 @@ class SolidSection(Section):
         return self
 
 
+_BESIDE = {"extrapolate": ("relaxation", "data_last"), "temperature": ("relaxation", "creep")}
+"""Keys about a table that have a meaning without one, and what gives it."""
+
+
 class Continuum(SolidSection):
     """A solid with a modulus, and perhaps with branches that relax, which a table may give."""
+
+    needs = (
+        *((key, ("branches",)) for key in ("draws", "data_first", "data_last")),
+        *((key, _BESIDE.get(key, ("relaxation",))) for key in (*OF_TABLES.values(), "table_modulus")),
+    )
 
     if TYPE_CHECKING:
         modulus: float | None
@@ -206,43 +202,21 @@ class Continuum(SolidSection):
             return {**table, "table_modulus": table["modulus"], "modulus": None}
         return table
 
-    def check(self) -> None:
-        """Refuse branches or creep beside a table."""
-        for key in ("branches", "creep") if self.relaxation is not None else ():
+    def _check_data(self) -> None:
+        if self.relaxation is not None:
+            self._check_table()
+        elif self.modulus is None and self.young is None:
+            expected = "modulus, young and poisson, or relaxation and poisson"
+            raise self.wrong(expected=expected, got="none", advice=(Name("young"),))
+        elif self.extrapolate not in (None, "model"):
+            expected, cure = "model, for branches of data", {"extrapolate": "model"}
+            raise self.wrong("extrapolate", expected=expected, got=self.extrapolate, cure=cure)
+
+    def _check_table(self) -> None:
+        for key in ("branches", "creep"):
             if getattr(self, key, None):
                 expected = "none beside a relaxation table, which is that of a linear solid"
                 raise self.wrong(key, expected=expected, got="both", advice=(Name("young"), " in its place"))
-        super().check()
-
-    def _check_data(self) -> None:
-        for key in ("draws", "data_first", "data_last"):
-            if getattr(self, key, None) is not None and not self.branches:
-                names = ("relaxation", "flow", "creep")
-                others = (name for name in names if getattr(self, name, None) is not None)
-                raise self.wrong(key, expected="branches beside it", got=next(others, "none"))
-        if self.relaxation is None:
-            self._check_branches()
-        else:
-            self._check_table()
-
-    def _check_branches(self) -> None:
-        if self.modulus is None and self.young is None:
-            expected = "modulus, young and poisson, or relaxation and poisson"
-            raise self.wrong(expected=expected, got="none", advice=(Name("young"),))
-        of_branches = self.extrapolate == "model"
-        if of_branches and self.data_last is None:
-            raise self.wrong("extrapolate", expected=(Name("data_last"), " beside model"), got="none")
-        lacking = [key for key in OF_TABLES.values() if getattr(self, key) is not None]
-        lacking += ["table_modulus"] if self.table_modulus is not None else []
-        if getattr(self, "creep", None) is not None:
-            lacking = [key for key in lacking if key != "temperature"]
-        if lacking and not of_branches:
-            if lacking == ["extrapolate"] and self.data_last is not None:
-                expected, cure = "model, for branches of data", {"extrapolate": "model"}
-                raise self.wrong("extrapolate", expected=expected, got=self.extrapolate, cure=cure)
-            raise self.wrong(lacking[0], expected=(Name("relaxation"), " beside it"), got="none")
-
-    def _check_table(self) -> None:
         if isinstance(self.young, list) and len(self.young) > 1:
             advice = "asperity.relaxation"
             raise self.wrong("relaxation", expected="one body beside it", got="two", advice=advice)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.base import checks
 from asperity.base.parameters import Checked, Quantity
-from asperity.errors import LARGEST, InputError, Name
+from asperity.errors import LARGEST, InputError
 
 
 @dataclass(frozen=True)
@@ -40,22 +40,27 @@ class ShearStrength(Checked):
         D > 0, the slip, length, that renews a contact; needed with `after`.
     """
 
+    needs = (
+        ("rate_coefficient", ("reference_velocity",)),
+        ("growth", ("after",)),
+        ("after", ("renewal",)),
+        ("renewal", ("after",)),
+    )
+
     strength: Annotated[
         float,
         *(Ge(1 / LARGEST), Le(LARGEST)),
         Quantity(
-            "shear strength of the contacts",
+            "shear strength of the contacts; on the lattice of springs, force per site.",
             "Pa",
             key="shear_strength",
-            more="; on the lattice of springs, force per site.",
+            usual=None,
         ),
     ]
     rate_coefficient: Annotated[
         float,
         *(Ge(0), Le(1)),
-        Quantity(
-            "relative growth of the shear strength with ln(velocity)", usual=None, more=". By default 0."
-        ),
+        Quantity("relative growth of the shear strength with ln(velocity). By default 0.", usual=None),
     ] = 0.0
     reference_velocity: Annotated[
         float | None,
@@ -66,9 +71,7 @@ class ShearStrength(Checked):
         float,
         *(Ge(-1), Le(1)),
         Quantity(
-            "relative growth of the shear strength with ln(age of a contact)",
-            usual=None,
-            more=". By default 0.",
+            "relative growth of the shear strength with ln(age of a contact). By default 0.", usual=None
         ),
     ] = 0.0
     after: Annotated[
@@ -79,20 +82,8 @@ class ShearStrength(Checked):
     renewal: Annotated[
         float | None,
         Ge(1 / LARGEST),
-        Quantity("slip that renews a contact", "m", dimension="place", more="; its age then begins anew."),
+        Quantity("slip that renews a contact; its age then begins anew.", "m", dimension="place"),
     ] = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        needs = {
-            "rate_coefficient": "reference_velocity",
-            "growth": "after",
-            "after": "renewal",
-            "renewal": "after",
-        }
-        for name, other in needs.items():
-            if getattr(self, name) and getattr(self, other) is None:
-                raise InputError(name, expected=(Name(other), " beside it"), got="none")
 
     @property
     def ages(self) -> bool:
@@ -119,21 +110,16 @@ class ShearStrength(Checked):
         """
         speeds, rate = checks.floats("velocity", velocity), np.zeros(())
         if self.rate_coefficient and not (np.isfinite(speeds).all() and (speeds > 0).all()):
-            raise InputError(
-                "velocity",
-                expected="finite velocities > 0, where the shear strength depends on them",
-                got="a contact that does not slide, or slides at once",
-                advice="Slide(..., velocity=1.0), or rate_coefficient=0.0",
-            )
+            expected = "finite velocities > 0, where the shear strength depends on them"
+            got = "a contact that does not slide, or slides at once"
+            advice = "Slide(..., velocity=1.0), or rate_coefficient=0.0"
+            raise InputError("velocity", expected=expected, got=got, advice=advice)
         if self.rate_coefficient:
             assert self.reference_velocity is not None
             rate = self.rate_coefficient * np.log(speeds / self.reference_velocity)
         strength = np.broadcast_to(self.strength * (1 + rate + np.asarray(grown)), speeds.shape)
         if not (strength > 0).all():
-            raise InputError(
-                "rate_coefficient" if self.rate_coefficient else "growth",
-                expected="a shear strength > 0 at every velocity",
-                got=f"{float(strength.min()):g} at {float(speeds.min()):g}",
-                advice="a reference_velocity nearer to those of the slides" * bool(self.rate_coefficient),
-            )
+            name, got = "rate_coefficient", f"{float(strength.min()):g} at {float(speeds.min()):g}"
+            name = name if self.rate_coefficient else "growth"
+            raise InputError(name, expected="a shear strength > 0 at every velocity", got=got)
         return strength

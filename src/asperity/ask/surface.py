@@ -24,6 +24,7 @@ class SurfaceSection(Section):
     """A surface, of one kind or another."""
 
     section = "surface"
+    ways = (({"rms_height"}, {"rms_slope"}, {"rms_curvature"}),)
 
     edges: Annotated[
         Literal["periodic", "reflecting", "free"] | None,

@@ -75,18 +75,13 @@ def showing(what: str) -> Iterator[None]:
 def remarks_made() -> Iterator[list[str]]:
     """Gather the remarks that are made meanwhile, in place of warnings."""
     texts: list[str] = []
-    with warnings.catch_warnings():
-        shown = warnings.showwarning
-
-        def gather(message: Warning | str, category: type[Warning], *about: Any, **more: Any) -> None:
-            if issubclass(category, Remark):
-                texts.append(str(message))
-            else:
-                shown(message, category, *about, **more)
-
+    with warnings.catch_warnings(record=True) as made:
         warnings.simplefilter("always", Remark)
-        warnings.showwarning = gather
         yield texts
+    texts += [str(one.message) for one in made if issubclass(one.category, Remark)]
+    for other in made:
+        if not issubclass(other.category, Remark):
+            warnings.warn_explicit(other.message, other.category, other.filename, other.lineno)
 
 
 def _answering(member: Any) -> Any:
@@ -123,19 +118,17 @@ def _check(
 
     signature = inspect.signature(function)
     names = [name for name in signature.parameters if name not in ("self", "cls")]
-    by_name = [each.name for each in signature.parameters.values() if each.kind is each.KEYWORD_ONLY]
     *_, owner, name = f".{function.__qualname__}".split(".")
     name, listed = owner if name == "__init__" else name, shortened(", ".join(names), 120)
     try:
         given = signature.bind(*args, **keywords).arguments
     except TypeError as error:
-        if word := next((word for word in keywords if word not in names), None):
-            meant = MEANT.get(word) if MEANT.get(word) in names else closest(word, names)
-            advice = f"{meant}=..." if meant else ""
-            advice = getattr(getattr(function, "question", None), "elsewhere", {}).get(word, advice)
-            raise CallError(name, expected=f"one of {listed}", got=repr(word), advice=advice) from None
-        advice = f"{by_name[0]}=..." if by_name and "too many" in str(error) else ""
-        raise CallError(name, expected=f"the arguments {listed}", got=error, advice=advice) from None
+        word = next((word for word in keywords if word not in names), "")
+        meant = closest(MEANT[word] if MEANT.get(word) in names else word, names)
+        elsewhere = getattr(getattr(function, "question", None), "elsewhere", {})
+        advice = elsewhere.get(word, f"{meant}=..." if meant else "")
+        got = repr(word) if word else str(error).removeprefix("got ")
+        raise CallError(name, expected=f"the arguments {listed}", got=got, advice=advice) from None
     home = sys.modules[getattr(function, "question", function).__module__]
     for word in filter(given.__contains__, names):
         annotation = signature.parameters[word].annotation

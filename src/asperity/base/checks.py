@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from datetime import timedelta
 from decimal import Decimal
 from numbers import Real
 from pathlib import Path, PurePath
@@ -49,13 +48,8 @@ def number(
     """
     real = _real(value)
     if real is None or not (least <= real <= most and above < real < below):
-        signs = (
-            (">=", least, -LARGEST),
-            (">", above, -math.inf),
-            ("<=", most, LARGEST),
-            ("<", below, math.inf),
-        )
-        bounds = " and ".join(f"{sign} {bound:g}" for sign, bound, none in signs if bound != none)
+        signs = {">=": least, ">": above, "<=": most, "<": below}
+        bounds = " and ".join(f"{sign} {bound:g}" for sign, bound in signs.items() if abs(bound) < LARGEST)
         wanted = expected or f"a finite number {bounds}".rstrip()
         raise InputError(name, expected=wanted, got=shown(value), advice=advice or _hint(name, value))
     return real
@@ -122,10 +116,15 @@ def choice(name: str, value: object, choices: Sequence[object]) -> Any:
     """One of the choices; `InputError`, with the nearest of them, for anything else."""
     if value in choices:
         return value
-    *some, last = map(repr, choices)
     meant = closest(value, map(str, choices)) if isinstance(value, str) else None
-    expected = f"one of {', '.join(some)} or {last}" if some else last
+    expected = f"{'one of ' * (len(choices) > 1)}{any_of(map(repr, choices))}"
     raise InputError(name, expected=expected, got=shown(value), cure={name: meant} if meant else {})
+
+
+def any_of(words: Iterable[str]) -> str:
+    """Words of which one is meant: ``one, two or three``."""
+    *some, last = words
+    return f"{', '.join(some)} or {last}" if some else last
 
 
 def switch(name: str, value: object) -> bool:
@@ -180,10 +179,11 @@ def positives(**values: object) -> dict[str, Floats]:
 def not_negative(name: str, value: object, *, infinity: str = "") -> Floats:
     """Numbers >= 0; infinity is refused with this advice, or allowed for ``"welcome"``."""
     array = floats(name, value)
-    if (array < 0).any():
-        raise InputError(name, expected="numbers not below 0", got=float(array.min()))
-    if infinity != "welcome" and np.isinf(array).any():
-        raise InputError(name, expected="finite numbers", got="inf", advice=infinity)
+    wrong = (array < 0) | (np.isinf(array) & (infinity != "welcome"))
+    if wrong.any():
+        least = float(array[wrong].min())
+        advice = infinity if least == math.inf else ""
+        raise InputError(name, expected="finite numbers >= 0", got=least, advice=advice)
     return array
 
 
@@ -192,19 +192,16 @@ def line(name: str, value: object) -> Floats:
     array = _as_floats(name, value, "real numbers")
     if array.ndim != 1:
         raise InputError(name, expected="an array of one dimension", got=f"shape {array.shape}")
-    if not (finite := np.isfinite(array)).all():
-        nans, first = int(np.isnan(array).sum()), int(np.argmin(finite))
-        infinite = array.size - int(finite.sum()) - nans
-        raise InputError(
-            name,
-            expected="finite numbers",
-            got=f"{nans} NaN and {infinite} infinite of {array.size}, the first at {first}",
-            # The relaxed state of a history is at an infinite time.
-            advice="dropping the relaxed state"
-            if infinite and name == "time"
-            else "leaving these points out",
-        )
+    _check_finite(name, array, ~np.isfinite(array), "leaving these points out")
     return array
+
+
+def _check_finite(name: str, array: Floats, wrong: NDArray[np.bool_], advice: str) -> None:
+    """Refuse an array with entries that are wrong, and say how many and where."""
+    if wrong.any():
+        nans, first = int(np.isnan(array).sum()), np.argwhere(wrong)[0].tolist()
+        got = f"{nans} NaN and {int(wrong.sum()) - nans} infinite of {array.size}, the first at {first}"
+        raise InputError(name, expected="finite numbers", got=got, advice=advice)
 
 
 def times(name: str, value: object, *, at_least: int = 1) -> Floats:
@@ -231,36 +228,18 @@ def heights(name: str, value: object, *, holes: bool = False) -> Floats:
     """
     advice = _FILLING if holes else "filling them"
     if np.ma.isMaskedArray(value):
-        masked = np.argwhere(np.ma.getmaskarray(value))
-        if len(masked):
-            raise InputError(
-                name,
-                expected="an array without masked entries",
-                got=f"{len(masked)} masked of {np.size(value)}, the first at {masked[0].tolist()}",
-                advice=advice,
-            )
-    array = _as_floats(name, value, "an array of real numbers", copied=True)
+        masked = np.argwhere(np.ma.getmaskarray(value)).tolist()
+        if masked:
+            got = f"{len(masked)} masked of {np.size(value)}, the first at {masked[0]}"
+            raise InputError(name, expected="an array without masked entries", got=got, advice=advice)
+    array = np.array(_as_floats(name, value, "an array of real numbers"), order="C")
     if array.ndim not in (1, 2):
-        raise InputError(
-            name,
-            expected="one or two dimensions",
-            got=f"{array.ndim} dimensions, shape {array.shape}",
-            advice=f"one layer of it, {name}[0]" if array.ndim > 2 else "a profile or a surface",
-        )
+        got = f"{array.ndim} dimensions, shape {array.shape}"
+        raise InputError(name, expected="one or two dimensions", got=got)
     if array.size == 0:
         raise InputError(name, expected="at least one height", got=f"an empty array, shape {array.shape}")
     wrong = ~(finite := np.isfinite(array))
-    if holes and finite.any():
-        wrong &= array != -math.inf
-    if wrong.any():
-        nans = int(np.isnan(array).sum())
-        raise InputError(
-            name,
-            expected="finite numbers",
-            got=f"{nans} NaN and {int(wrong.sum()) - nans} infinite of {array.size}, "
-            f"the first at {np.argwhere(wrong)[0].tolist()}",
-            advice=advice,
-        )
+    _check_finite(name, array, wrong & (array != -math.inf) if holes and finite.any() else wrong, advice)
     if max(float(array.max()), -float(array.min(where=finite, initial=0.0))) > LARGEST:
         raise InputError(name, expected=f"heights up to {LARGEST:g}", got="larger ones")
     return array
@@ -271,12 +250,9 @@ def broadcast(**arrays: Floats) -> list[Floats]:
     try:
         return list(np.broadcast_arrays(*arrays.values()))
     except ValueError as error:
-        raise InputError(
-            ", ".join(arrays),
-            expected="shapes that broadcast against each other",
-            got=", ".join(str(array.shape) for array in arrays.values()),
-            advice="x1[:, None] with x2[None, :] for a table",
-        ) from error
+        expected, got = "shapes that broadcast against each other", [array.shape for array in arrays.values()]
+        advice = "x1[:, None] with x2[None, :] for a table"
+        raise InputError(", ".join(arrays), expected=expected, got=got, advice=advice) from error
 
 
 def shown(value: object) -> str:
@@ -331,8 +307,8 @@ def _scalar(value: object, *, kinds: str) -> Any:
     return array[()] if array.ndim == 0 and array.dtype.kind in kinds else None
 
 
-def _as_floats(name: str, value: object, expected: str, advice: str = "", *, copied: bool = False) -> Floats:
-    """Real numbers as float64, NaN and infinity included; a copy in C order where one is wanted."""
+def _as_floats(name: str, value: object, expected: str, advice: str = "") -> Floats:
+    """Real numbers as float64, NaN and infinity included."""
     if _has_unit(value):
         raise InputError(name, expected=expected, got=shown(value), advice=_hint(name, value))
     try:
@@ -352,8 +328,6 @@ def _as_floats(name: str, value: object, expected: str, advice: str = "", *, cop
     if np.ma.is_masked(value):
         raise InputError(name, expected=expected, got="masked entries among them", advice=advice)
     with np.errstate(over="ignore"):  # a long double that overflows becomes infinite
-        if copied:
-            return np.array(array, dtype=np.float64, order="C")
         return np.asarray(array, dtype=np.float64)
 
 
@@ -364,15 +338,10 @@ def _has_unit(value: object) -> bool:
 def _hint(name: str, value: object) -> str:
     if has_decimal_comma(value):
         return str(value).replace(",", ".")
-    if hasattr(type(value), "magnitude"):
-        return f"{name}.magnitude, in the unit of the other arguments"
-    if hasattr(type(value), "to_value"):
-        return f"{name}.value, in the unit of the other arguments"
-    kind = getattr(getattr(value, "dtype", None), "kind", "")
-    first = value.flat[0] if kind == "O" and isinstance(value, np.ndarray) and value.size else value
-    if kind == "m" or isinstance(first, timedelta):
-        return f'{name} / np.timedelta64(1, "s")'
-    return f"{name}.real" if kind == "c" or isinstance(value, complex) else ""
+    if _has_unit(value):
+        number = "magnitude" if hasattr(type(value), "magnitude") else "value"
+        return f"{name}.{number}, in the unit of the other arguments"
+    return ""
 
 
 @contextmanager

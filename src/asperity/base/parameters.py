@@ -11,25 +11,28 @@ import dataclasses
 import functools
 import inspect
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
 
-from annotated_types import Ge, Gt, Le, Len, Lt
+from annotated_types import Len
 
 from asperity.base import checks, units
-from asperity.errors import InputError
+from asperity.errors import InputError, named
 
 
 @dataclasses.dataclass(frozen=True)
 class Quantity:
-    """A quantity: its meaning in words, its SI unit (empty for a pure number), and its symbol.
+    """A quantity: what it is, its SI unit (empty for a pure number), and its symbol.
 
     Attributes
     ----------
+    text
+        Its meaning, and after a comma, a colon, a semicolon or a period more for the help.
     more
-        Help text after the meaning, up to the last period.
+        More for the help.
     dimension
         Dimension of the records, a key of the units of results; by default it follows from the unit.
     key
@@ -40,14 +43,27 @@ class Quantity:
         Whether a campaign may take several values.
     """
 
-    meaning: str
+    text: str
     unit: str = ""
     symbol: str = ""
-    more: str = "."
+    more: str = ""
     dimension: str = ""
     key: str = ""
     usual: Any = ...
     swept: bool = True
+
+    @property
+    def meaning(self) -> str:
+        """Its meaning alone."""
+        return re.split(r"[,:;.](?= |$)", self.text)[0]
+
+    @property
+    def help(self) -> str:
+        """All of the text, as a sentence or several."""
+        if self.symbol:
+            return f"Its {self.meaning} {self.symbol}."
+        text = self.text + self.more
+        return f"{text[0].upper()}{text[1:]}{'.' * (text[-1] != '.')}"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -69,7 +85,7 @@ _DIMENSIONS = {
     "J/m^2": "energy / area",
 }
 _PLAIN = {float, int, bool, str, NoneType, Path}
-_BOUNDS = ((Ge, "ge", "least"), (Gt, "gt", "above"), (Le, "le", "most"), (Lt, "lt", "below"))
+_BOUNDS = {"ge": "least", "gt": "above", "le": "most", "lt": "below"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -96,19 +112,15 @@ class Parameter:
     @property
     def recorded(self) -> tuple[str, str]:
         """Long name and dimension of its records; words have none."""
-        stated, plain = self.quantity, not any(part in str(self.hint) for part in ("float", "int"))
-        dimension = "" if plain else _DIMENSIONS.get(stated.unit, stated.unit or "1")
-        return stated.meaning, stated.dimension or dimension
+        stated, is_number = self.quantity, any(part in str(self.hint) for part in ("float", "int"))
+        usual = _DIMENSIONS.get(stated.unit, stated.unit or "1") if is_number else ""
+        return stated.meaning, stated.dimension or usual
 
     @property
     def bounds(self) -> dict[str, float]:
         """Bounds of the number, as `asperity.base.checks.number` takes them."""
-        return {
-            word: getattr(fact, name)
-            for fact in self.facts
-            for kind, name, word in _BOUNDS
-            if isinstance(fact, kind)
-        }
+        found = ((name, fact) for fact in self.facts for name in _BOUNDS if hasattr(fact, name))
+        return {_BOUNDS[name]: getattr(fact, name) for name, fact in found}
 
     @property
     def optional(self) -> Parameter:
@@ -142,14 +154,12 @@ class Parameter:
     @property
     def unit(self) -> str:
         """Unit of a number alone, and of one with a unit; empty for a pure number."""
-        quantities = (fact for fact in self.facts if isinstance(fact, Quantity))
-        return next((fact.unit for fact in quantities if fact.unit), "")
+        return next((fact.unit for fact in self.facts if isinstance(fact, Quantity) and fact.unit), "")
 
     @property
     def as_key(self) -> Parameter:
         """The same as a key of a table, with its own default."""
-        usual, default = self.quantity.usual, self.default
-        default = default if usual is ... else usual
+        default = self.default if self.quantity.usual is ... else self.quantity.usual
         if self.quantity.key and isinstance(default, bool):
             default = not default
         if self.item and not self.words and default not in (None, dataclasses.MISSING):
@@ -180,8 +190,7 @@ class Parameter:
             return self._list(name, value, item)
         if self.pair:
             if not isinstance(value, list | tuple) or len(value) != len(self.pair):
-                expected = "pairs of two numbers"
-                raise InputError(name, expected=expected, got=checks.shown(value))
+                raise InputError(name, expected="pairs of two numbers", got=checks.shown(value))
             return tuple(part.read(name, one) for part, one in zip(self.pair, value, strict=True))
         if float in self.kinds:
             return self._number(name, value[0] if isinstance(value, list) and len(value) == 1 else value)
@@ -204,8 +213,8 @@ class Parameter:
             raise InputError(name, expected="a list", got=checks.shown(value))
         sizes = next((fact for fact in self.facts if isinstance(fact, Len)), Len(0))
         if len(values) < sizes.min_length or (sizes.max_length and len(values) > sizes.max_length):
-            ends = {f"at least {sizes.min_length}": True, f"at most {sizes.max_length}": sizes.max_length}
-            expected = f"{' and '.join(end for end, stated in ends.items() if stated)} in the list"
+            most = f" and at most {sizes.max_length}" if sizes.max_length else ""
+            expected = f"at least {sizes.min_length}{most} in the list"
             raise InputError(name, expected=expected, got=checks.shown(value))
         return [item.read(name, one) for one in values]
 
@@ -261,19 +270,29 @@ def item_of(kind: Any) -> Any:
     return args[0] if origin is Sequence or (origin is tuple and args[1:] == (...,)) else None
 
 
+Needs = tuple[tuple[str, tuple[str, ...]], ...]
+"""Arguments or keys, each with others of which it needs one beside it."""
+
+
+def check_needs(thing: Any, needs: Needs) -> None:
+    """Refuse what is given without one of those that it needs."""
+    for name, others in needs:
+        is_given = getattr(thing, name, None) != getattr(type(thing), name, None)
+        if is_given and all(getattr(thing, other, None) in (None, []) for other in others):
+            raise InputError(name, expected=(*named(others, " or "), " beside it"), got="none")
+
+
 class Checked:
     """A frozen dataclass whose parameters are checked when it is made."""
+
+    needs: ClassVar[Needs] = ()
 
     def __post_init__(self) -> None:
         for name, parameter in parameters_of(type(self)).items():
             value = parameter.read(parameter.quantity.key or name, getattr(self, name))
-            object.__setattr__(
-                self,
-                name,
-                tuple(value)
-                if any(get_origin(kind) is tuple for kind in parameter.kinds) and isinstance(value, list)
-                else value,
-            )
+            is_tuple = isinstance(value, list) and any(get_origin(kind) is tuple for kind in parameter.kinds)
+            object.__setattr__(self, name, tuple(value) if is_tuple else value)
+        check_needs(self, self.needs)
 
 
 class Law(Checked):

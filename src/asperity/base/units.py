@@ -44,23 +44,24 @@ _WITHOUT_PREFIX = ("minute", "hour", "day", "week", "year")
 _POWER = re.compile(r"10\^?(-?\d{1,2})(?:[ *]+(?=[A-Za-z1])|(?=/|$))")
 _WORD = re.compile("[A-Za-zµμΩÅ]+")
 _EXAMPLES = {
-    "Pa": ("a pressure", "1 MPa"),
-    "1/Pa": ("a compliance", "0.5 1/GPa"),
-    "N": ("a force", "10 N"),
-    "m": ("a length", "2 um"),
-    "s": ("a time", "10 s"),
-    "m/s": ("a velocity", "1 um/s"),
-    "1": ("a part", "1 %"),
-    "Hz": ("a frequency", "10 Hz"),
-    "rad/s": ("an angular frequency", "60 rad/s"),
-    "m^3": ("a volume", "1 nm^3"),
-    "J": ("an energy", "1 eV"),
-    "K": ("a temperature", "25 degC"),
-    "J/mol": ("an energy per mole", "100 kJ/mol"),
-    "J/m^2": ("an energy per area", "50 mJ/m^2"),
-    "ohm m": ("a resistivity", "17 nohm m"),
-    "W/m/K": ("a thermal conductivity", "0.2 W/m/K"),
+    "Pa": "1 MPa",
+    "1/Pa": "0.5 1/GPa",
+    "N": "10 N",
+    "m": "2 um",
+    "s": "10 s",
+    "m/s": "1 um/s",
+    "1": "1 %",
+    "Hz": "10 Hz",
+    "rad/s": "60 rad/s",
+    "m^3": "1 nm^3",
+    "J": "1 eV",
+    "K": "25 degC",
+    "J/mol": "100 kJ/mol",
+    "J/m^2": "50 mJ/m^2",
+    "ohm m": "17 nohm m",
+    "W/m/K": "0.2 W/m/K",
 }
+"""Quantities as people write them, by their units."""
 
 
 def number(name: str, value: object, unit: str, **bounds: Any) -> float:
@@ -109,12 +110,9 @@ def check_units(*tables: object, si: bool, line: bool = False) -> None:
     """
     for written in written_with_units(tables):
         if not si:
-            raise InputError(
-                "units",
-                expected="plain numbers, as the surface or the solid has no units",
-                got=repr(written.written),
-                advice="half_space under Surface(heights, unit='um', pixel_size=..., length_unit='um')",
-            )
+            expected = "plain numbers, as the surface or the solid has no units"
+            advice = "half_space under Surface(heights, unit='um', pixel_size=..., length_unit='um')"
+            raise InputError("units", expected=expected, got=repr(written.written), advice=advice)
         if line and written.unit == "N":
             expected = "a force for each metre of the profile's length"
             raise InputError("load", expected=expected, got=repr(written.written), advice="load=5.0, in N/m")
@@ -144,18 +142,18 @@ def quantity(value: object, unit: str, name: str = "quantity") -> float:
 
 
 def _no_quantity(name: str, text: str, unit: str) -> InputError:
-    kind, example = _EXAMPLES.get(unit, (f"a quantity in {unit}", f"1 {unit}"))
-    match = _NUMBER.fullmatch(text)
+    match, example = _NUMBER.fullmatch(text), _EXAMPLES.get(unit, f"1 {unit}")
     cased = [word for word in _USUAL if match and match[2] and word.lower() == match[2].lower()]
     meant = next((word for word in cased if factor(word, unit) is not None), "")
     advice = f"{match[1]} {meant}, as case matters" if match and meant else ""
     advice = text.replace(",", ".") if has_decimal_comma(text) else advice
-    return InputError(name, expected=f"{kind}, such as {example}", got=checks.shown(text), advice=advice)
+    expected = f"a quantity in {unit}, such as {example}"
+    return InputError(name, expected=expected, got=checks.shown(text), advice=advice)
 
 
 def usual_unit(unit: str) -> str:
     """A unit that people write for quantities of this one: MPa for Pa."""
-    return _EXAMPLES.get(unit, ("", f"1 {unit}"))[1].partition(" ")[2]
+    return _EXAMPLES.get(unit, f"1 {unit}").partition(" ")[2]
 
 
 def is_usual(text: str) -> bool:

@@ -29,20 +29,16 @@ _Energy = Annotated[
     float | str,
     Gt(0),
     Quantity(
-        "energy of activation",
-        "J",
-        more=" Q; with the next three keys v0 = prefactor exp(-Q/kT) and s0 = kT/volume.",
+        "energy of activation Q; with the next three keys v0 = prefactor exp(-Q/kT) and s0 = kT/volume.", "J"
     ),
 ]
 _Volume = Annotated[float | str, Gt(0), Quantity("volume of activation", "m^3")]
 _Prefactor = Annotated[
     float | str,
     Gt(0),
-    Quantity("velocity of creep at infinite temperature", "m/s", more=", v0 far above Q = kT."),
+    Quantity("velocity of creep at infinite temperature, v0 far above Q = kT.", "m/s"),
 ]
-_Temperature = Annotated[
-    float | str, Gt(0), Quantity("temperature", "K", more=" of thermally activated creep.")
-]
+_Temperature = Annotated[float | str, Gt(0), Quantity("temperature of thermally activated creep.", "K")]
 
 
 @dataclass(frozen=True)

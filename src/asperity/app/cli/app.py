@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from typing import Any, Literal
 
 from cyclopts import App
-from cyclopts.exceptions import CoercionError, CycloptsError, UnknownCommandError, UnknownOptionError
+from cyclopts.exceptions import CycloptsError, UnknownCommandError
 
 from asperity.app.cli import (
     explore,
@@ -35,8 +35,8 @@ from asperity.app.cli import (
 from asperity.app.cli.command import app, command
 from asperity.app.cli.flags import in_flags
 from asperity.app.cli.terminal import complain, make_streams_safe, silence_output, widen
+from asperity.base.calls import outside
 from asperity.base.files import command_running
-from asperity.base.words import closest, has_decimal_comma
 from asperity.errors import AsperityError, ConfigError, InputError, Remark
 
 __all__ = ["answer", "app", "with_others"]
@@ -54,22 +54,14 @@ def install_completion(*, shell: Literal["bash", "zsh", "fish", "powershell"] | 
     shell
         The shell. [default: the one that runs this command]
     """
-    from cyclopts.completion.detect import ShellDetectionError
+    from cyclopts.completion.install import create_install_completion_command
 
-    try:
-        path = app.install_completion(shell=shell)
-    except ShellDetectionError:
-        advice = "--install-completion --shell bash"
-        raise InputError("--shell", expected="a known shell", got="another one", advice=advice) from None
-    print(f"written {path}; completion begins with the next shell")
+    create_install_completion_command(app.install_completion, add_to_startup=True)(shell=shell)
 
 
 def with_others() -> App:
     """The command with the commands of other installed distributions."""
-    from importlib.metadata import entry_points  # takes as long as all else that most commands import
-
-    for plugin in entry_points(group="asperity.commands"):
-        plugin.load()
+    list(outside("asperity.commands"))  # each adds its commands when it is imported
     return app
 
 
@@ -136,48 +128,16 @@ def _show_warning(
         sys.stderr.write(warnings.formatwarning(message, category, filename, lineno))
 
 
-_NO_SUCH_FLAG = {
-    "--E": "; the elastic constants are --k0 and --k1, or --modulus of --solid half_space",
-    "--half-space": "; try --solid half_space --modulus 3.8GPa",
-    "--activation-energy": "; that of creep is --creep-energy",
-    "--activation-volume": "; that of creep is --creep-volume",
-}
-"""Advice for flags that users expect and that do not exist."""
-
-
 _OF_RESEARCH = ("challenge", "experiment", "reproduce", "study")
 """Commands of the distribution asperity-research."""
 
 
 def _usage(error: CycloptsError) -> str:
-    text = str(error).rstrip(".")
-    if isinstance(error, UnknownOptionError):
-        flag = (error.token.keyword or error.token.value).split("=")[0]
-        names = [name for argument in error.argument_collection if argument.parse for name in argument.names]
-        unknown = f"unknown option {flag}{_NO_SUCH_FLAG.get(flag) or _meant(flag, names)}"
-        text = f"{flag} stands after --; try it before" if flag in names else unknown
-    elif isinstance(error, UnknownCommandError):
-        commands = sorted(name for name in app if not name.startswith("-"))
-        word = (error.unused_tokens or [""])[0]
-        if word in _OF_RESEARCH:
-            from asperity.base.checks import installed_from
+    word = (error.unused_tokens or [""])[0]
+    if isinstance(error, UnknownCommandError) and word in _OF_RESEARCH:
+        from asperity.base.checks import installed_from
 
-            source = installed_from("asperity-research")
-            return f"asperity {word} comes with asperity-research; try pip install {source}"
-        text = f"unknown command {word}{_meant(word, commands)}; there are {', '.join(commands)}"
-    elif error.unused_tokens and "Unused Tokens" in text:
-        text = f"too many arguments: {' '.join(error.unused_tokens)}"
-    elif (
-        isinstance(error, CoercionError)
-        and error.token
-        and error.target_type is float
-        and has_decimal_comma(error.token.value)
-    ):
-        text += f"; try {error.token.value.replace(',', '.')}"
-    return f"{text} (see {' '.join(('asperity', *(error.command_chain or ())))} --help)"
-
-
-def _meant(word: str, names: Sequence[str]) -> str:
-    dashes = word[: len(word) - len(word.lstrip("-"))]
-    meant = closest(word.lstrip("-"), [name.lstrip("-") for name in names if name.startswith(dashes or name)])
-    return f"; did you mean {dashes}{meant}?" if meant else ""
+        source = installed_from("asperity-research")
+        return f"asperity {word} comes with asperity-research; try pip install {source}"
+    command = " ".join(("asperity", *(error.command_chain or ())))
+    return f"{str(error).rstrip('.')} (see {command} --help)"

@@ -21,7 +21,7 @@ from asperity.base.words import number, numbers
 from asperity.errors import InputError, Value, brief
 
 if TYPE_CHECKING:
-    from asperity.app.config.keys import Key, What
+    from asperity.app.config.keys import Key
 
 
 def _whole(_: object, tokens: Sequence[Token]) -> int:
@@ -43,24 +43,9 @@ Columns = Annotated[list[str] | None, Parameter(negative=(), consume_multiple=Tr
 _UNITS = Parameter(name=("--unit", "--units"), negative=(), consume_multiple=True, metavar="COLUMN=UNIT")
 Units = Annotated[list[str] | None, _UNITS]
 _METAVARS = {
-    "number": "FLOAT",
-    "pair": "FIRST SECOND",
-    "whole": "INT",
-    "choice": "CHOICE",
-    "path": "PATH",
-    "text": "TEXT",
-    "text or whole": "TEXT",
-    "file": "PATH",
-    "shape": "N",
-    "times": "T",
-    "maps_at": "T",
-    "crop": "N",
-    "places": "Y X",
-    "branches": "SHARE TIME",
-    "base_branches": "SHARE TIME",
-    "flow": "MOBILITY POWER",
-    "columns": "COLUMN",
-    "units": "COLUMN=UNIT",
+    **{"number": "FLOAT", "pair": "FIRST SECOND", "whole": "INT", "text or whole": "TEXT", "file": "PATH"},
+    **{"shape": "N", "crop": "N", "times": "T", "maps_at": "T", "places": "Y X", "flow": "MOBILITY POWER"},
+    **{"branches": "SHARE TIME", "base_branches": "SHARE TIME", "columns": "COLUMN", "units": "COLUMN=UNIT"},
 }
 """Placeholders of values in the help, by the type of a key or by its name."""
 
@@ -119,17 +104,12 @@ def given(
 def _check_leg(leg: Mapping[str, Any]) -> None:
     """Refuse a leg with a number that has no unit, where it is of a quantity that has one."""
     from asperity.base.parameters import parameters_of
-    from asperity.protocols.legs import KINDS, in_words
+    from asperity.protocols.legs import KINDS
 
     for inner in leg.get("legs", ()):
         _check_leg(inner)
-    parameters = parameters_of(KINDS[leg["kind"]]) if leg["kind"] in KINDS else {}
-    bare = [name for name in leg if name in parameters and isinstance(leg[name] or "", int | float)]
-    plain = {name: unit for name in bare if (unit := parameters[name].unit)}
-    for name in plain:
-        typed = in_words([{**leg, **{key: f"{leg[key]:g}{unit}" for key, unit in plain.items()}}])
-        place, expected = f"--leg {leg['kind']}: {name}", "a number with its unit"
-        raise InputError(place, expected=expected, got=leg[name], advice=f'--leg "{typed}"')
+    for name, parameter in parameters_of(KINDS[leg["kind"]]).items() if leg["kind"] in KINDS else ():
+        check_unit(f"--leg {leg['kind']}: {name}", leg.get(name), parameter.unit)
 
 
 def file_of_run(material: Path | None, flags: dict[str, dict[str, object]]) -> Path | None:
@@ -191,7 +171,7 @@ def check_unit(flag: str, value: object, *units: str) -> None:
         parts = list(zip(one if isinstance(one, list) else [one], units, strict=False))
         if any(unit and isinstance(part, float | int) and (part or unit == "K") for part, unit in parts):
             words = (f"{part} {usual_unit(unit) if unit else ''}".strip() for part, unit in parts)
-            advice, got = f'{flag} "{" ".join(words)}"', " ".join(str(part) for part, _ in parts)
+            advice, got = f'"{" ".join(words)}"', " ".join(str(part) for part, _ in parts)
             raise InputError(flag, expected="a number with its unit", got=got, advice=advice)
 
 
@@ -201,7 +181,7 @@ def _paired(written: Iterable[str]) -> list[str]:
     return [word if re.search(r"[\s,]", word) else f"{word} {next(words, '')}".strip() for word in words]
 
 
-def _read(written: bool | str | list[str], sort: What) -> object:
+def _read(written: bool | str | list[str], sort: str) -> object:
     """Turn words into numbers, where a key may be one; the check refuses the rest."""
     if isinstance(written, list):
         if sort in ("pair", "pairs"):
@@ -292,21 +272,17 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
     place = 1 + ORDER.index(section) if section in ORDER else 0
     name, group = flag_of(section, key.name), Group(section.capitalize(), sort_key=place)
     text = key.description + (f" [choices: {', '.join(key.choices)}]" if key.choices else "")
-    if key.what == "switch":
-        switch = Parameter(name=name, group=group, help=text, negative=(), show_default=False)
-        return Annotated[bool | None, switch]
-    if key.default not in (None, []):
+    if key.default not in (None, []) and key.what != "switch":
         default = key.default if isinstance(key.default, list) else [key.default]
-        words = [
-            f"{annotation:g}" if isinstance(annotation, float) else str(annotation) for annotation in default
-        ]
+        words = (f"{one:g}" if isinstance(one, float) else str(one) for one in default)
         text += f" [default: {' '.join(words)}]"
-    paired = key.what in ("pair", "pairs")  # two words in one argument, which may be given again
+    one = key.what.removesuffix("s")
+    paired = one == "pair"  # two words in one argument, which may be given again
     parameter = Parameter(
         name=("--unit", name) if name == "--units" and quantity == "QUANTITY" else name,
         group=group,
         help=text,
-        metavar=_METAVARS.get(key.name) or (quantity if key.unit else _METAVARS[key.what.removesuffix("s")]),
+        metavar=_METAVARS.get(key.name) or (quantity if key.unit else _METAVARS.get(one, one.upper())),
         negative=(),
         consume_multiple=key.several,
         show_default=False,
@@ -314,5 +290,7 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
         # as in -40degC; a list would take the flags behind it for more of it
         allow_leading_hyphen=bool(key.unit) and not key.several and (key.unit == "K" or (key.least or 0) < 0),
     )
+    if key.what == "switch":
+        return Annotated[bool | None, parameter]
     annotation: Any = Literal[key.choices] if key.what == "choice" and quantity == "QUANTITY" else str
     return Annotated[(list[str] if key.several or paired else annotation) | None, parameter]

@@ -70,10 +70,7 @@ def check_free(out: Path, *, overwrite: bool) -> Standing:
         if content:
             got = f"{out}, which contains {content}"
             raise InputError("--out", expected=expected, got=got, advice=advice)
-    ground = folder.parent
-    while not ground.exists():
-        ground = ground.parent
-    try_writing("--out", out, ground)
+    try_writing("--out", out, next(one for one in folder.parents if one.exists()))
     return standing(out) if overwrite else frozenset()
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 from asperity.ask.contact_law import Law
 from asperity.ask.legs import keys_of_leg
@@ -20,29 +20,13 @@ from asperity.errors import LARGEST
 from asperity.protocols import measured
 from asperity.protocols.legs import KINDS as LEGS
 
-What = Literal[
-    "number",
-    "whole",
-    "numbers",
-    "wholes",
-    "pair",
-    "pairs",
-    "lists of pairs",
-    "choice",
-    "choices",
-    "switch",
-    "text",
-    "texts",
-    "text or whole",
-    "path",
-    "legs",
-]
-"""Types of keys; ``whole`` is a whole number, a pair has two numbers."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Key:
     """One key of a section.
+
+    `what` is number, whole (number), pair (of numbers), choice, switch, text, "text or whole", path or legs;
+    of a list the plural of one of them, or lists of pairs.
 
     A number with a `unit` (of a pair: `units`) may be written with one. It is then in SI under a continuum
     whose surface has a unit of length, and in the user's own units otherwise. The `default` is None where it
@@ -51,7 +35,7 @@ class Key:
     """
 
     name: str
-    what: What
+    what: str
     unit: str = ""
     units: tuple[str, ...] = ()
     choices: tuple[str, ...] = ()
@@ -114,32 +98,26 @@ def _keys(parameters: Parameters) -> Keys:
 
 
 def _key(name: str, parameter: Parameter) -> Key:
-    quantity, default, item = parameter.quantity, parameter.default, parameter.item
-    text = (
-        f"Its {quantity.meaning} {quantity.symbol}." if quantity.symbol else quantity.meaning + quantity.more
-    )
+    default, item = parameter.default, parameter.item
     one = parameter if parameter.words or item is None else item
     sort = _sort(name, one)
+    bounds = _bounds(one, sort)
     if item is not None and not parameter.words:
         sort = "lists of pairs" if item.item is not None else _SEVERAL.get(sort, f"{sort}s")
-    bounds = _bounds(one, sort)
+    is_required = default is dataclasses.MISSING
     return Key(
         name=name,
-        what=sort,  # type: ignore[arg-type]
+        what=sort,
         unit=one.unit if sort.startswith("number") else "",
-        units=tuple(part.unit for part in one.pair) if one.pair else (),
+        units=tuple(part.unit for part in one.pair),
         choices=one.words,
-        default=None
-        if default is dataclasses.MISSING
-        else list(default)
-        if isinstance(default, tuple)
-        else default,
-        required=default is dataclasses.MISSING,
+        default=None if is_required else list(default) if isinstance(default, tuple) else default,
+        required=is_required,
         least=bounds.get("above", bounds.get("least")),
         most=bounds.get("below", bounds.get("most")),
         above="above" in bounds,
         below="below" in bounds,
-        description=text[0].upper() + text[1:],
+        description=parameter.quantity.help,
     )
 
 
@@ -162,10 +140,8 @@ def _sort(name: str, one: Parameter) -> str:
 
 def _bounds(one: Parameter, sort: str) -> dict[str, float]:
     """Bounds of a number; a finite one has both."""
-    if sort.removesuffix("s") not in ("number", "whole"):
-        return {}
-    bounds = one.bounds
-    if sort.startswith("number") and "inf" not in one.kinds:
+    bounds = one.bounds if sort in ("number", "whole") else {}
+    if sort == "number" and "inf" not in one.kinds:
         bounds = ({} if "above" in bounds else {"least": -LARGEST}) | bounds
         bounds = ({} if "below" in bounds else {"most": LARGEST}) | bounds
     return bounds

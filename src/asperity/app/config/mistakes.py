@@ -67,9 +67,6 @@ class Door:
 
     def line(self, mistake: InputError) -> str:
         """A mistake in one line."""
-        if mistake.cure.keys() & {*self.lacks}:
-            mistake = mistake.about(mistake.name)
-            mistake.cure = {key: one for key, one in mistake.cure.items() if key not in self.lacks}
         home, *rest = mistake.path or ("",)
         section = str(home)
         typed = self._typed(section, *rest)
@@ -78,9 +75,9 @@ class Door:
             return flag_in(section, key) if typed or self._typed(section, key) else key
 
         def assign(key: str, value: Value) -> str:
-            if typed or self._typed(section, key):
-                return assigned(flag_in(section, key), value)
-            return f"{key} = {json.dumps(value)}"
+            name = spell(key)
+            written = assigned(name, value) if name.startswith("--") else f"{key} = {json.dumps(value)}"
+            return "" if key in self.lacks else written
 
         place = self._place(section, rest)
         named = mistake.name in (section, *rest[-1:]) or (rest and mistake.name == "kind")

@@ -18,6 +18,9 @@ from asperity.protocols import Leg
 _LONG = 96
 """Characters of a line."""
 
+_ROOMS = {Law: "asp.solids", ShearStrength: "asp.friction", Carried: "asp", Leg: "asp.protocols"}
+"""Where Python has the classes of arguments."""
+
 
 def to_python(config: RunConfig, times: list[float]) -> str:
     """Write a configuration in Python, as `asperity.press`, `asperity.age` and `asperity.relax`.
@@ -39,7 +42,7 @@ def to_python(config: RunConfig, times: list[float]) -> str:
     spread = config.aging.times is None and not config.protocol
     lines = [
         f"# Asperity {__version__}",
-        *(["import numpy as np", ""] if spread or "np." in _solid(config) else []),
+        *(["import numpy as np", ""] if spread else []),
         "import asperity as asp",
         "",
         f"rough = {_surface(config)}",
@@ -54,7 +57,7 @@ def to_python(config: RunConfig, times: list[float]) -> str:
         hold = {} if config.aging.hold is None else {"hold": config.aging.hold}
         lines.append(f"limit = {_call('asp.relax', 'contact', **hold)}")
     if (law := config.friction.strength) is not None and not law.ages:
-        lines.append(f"friction = asp.friction.add_friction(history.dataset, {_written(law)})")
+        lines.append(f"friction = {_call('asp.friction.add_friction', 'history.dataset', _written(law))}")
     return "\n".join([*lines, "print(history)", ""])
 
 
@@ -85,22 +88,15 @@ def _call(name: str, *positional: str, **named: object) -> str:
 def _written(value: object) -> str:
     """Write a value so that Python reads the very same one."""
     if isinstance(value, float):
-        return "np.inf" if value == float("inf") else repr(float(value))
+        return 'float("inf")' if value == math.inf else repr(float(value))
     if isinstance(value, tuple):
         return f"({', '.join(map(_written, value))}{',' * (len(value) == 1)})"
     if isinstance(value, list):
         line = f"[{', '.join(map(_written, value))}]"
         return line if len(line) <= _LONG else textwrap.fill(line, _LONG, subsequent_indent="        ")
-    if isinstance(value, Law):
-        return _call(f"asp.solids.{type(value).__name__}", **vars(value))
-    if isinstance(value, ShearStrength):
-        facts = {name: one for name, one in vars(value).items() if one}
-        return _call("asp.friction.ShearStrength", repr(facts.pop("strength")), **facts)
-    if isinstance(value, Carried):
-        return _call("asp.Carried", **{name: one for name, one in vars(value).items() if one})
-    if isinstance(value, Leg):
-        facts = {name: "inf" if one == math.inf else one for name, one in value.arguments.items()}
-        if isinstance(legs := facts.get("legs"), tuple):
-            facts["legs"] = list(legs)
-        return _call(f"asp.protocols.{type(value).__name__}", **facts)
-    return repr(value)
+    room = next((room for kind, room in _ROOMS.items() if isinstance(value, kind)), "")
+    if not room:
+        return repr(value)
+    usual = {name: getattr(type(value), name, None) for name in vars(value)}
+    facts = {name: one for name, one in vars(value).items() if one != usual[name]}
+    return _call(f"{room}.{type(value).__name__}", **getattr(value, "arguments", facts))

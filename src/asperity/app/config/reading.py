@@ -10,7 +10,7 @@ from typing import Any
 from asperity.app.config.keys import QUESTIONS
 from asperity.app.config.mistakes import Door, Names, Sections
 from asperity.ask.files import read_tables
-from asperity.ask.laws import ACTIVATION, KEYS_OF_LAWS, OF_LAWS
+from asperity.ask.laws import KEYS_OF_LAWS, OF_LAWS
 from asperity.ask.question import Question
 from asperity.ask.run import RunConfig
 from asperity.ask.section import KINDS, Section, SectionError, read_keys, unknown_key
@@ -18,17 +18,6 @@ from asperity.ask.surface import MeasuredSurface
 from asperity.base.checks import shown
 from asperity.base.words import tables_to_toml
 from asperity.errors import InputError
-
-_WAYS: tuple[tuple[str, tuple[set[str], ...]], ...] = (
-    ("contact", ({"load"}, {"pressure"}, {"separation"})),
-    ("solid", ({"modulus"}, {"young"})),
-    ("solid", ({"branches"}, {"relaxation"}, {"flow"}, {"draws"})),
-    ("solid", (ACTIVATION, {"creep_rate", "creep_stress"})),
-    ("surface", ({"rms_height"}, {"rms_slope"}, {"rms_curvature"})),
-    ("aging", ({"times"}, {"first", "last", "per_decade"})),
-)
-"""Alternative keys of a section: a flag of one replaces the others."""
-
 
 _OF_OTHERS = {
     "sweep": ("campaign", "asperity sweep FILE --out FOLDER"),
@@ -171,7 +160,8 @@ def _rivals(section: str, key: str, value: object) -> set[str]:
     """Alternatives of a key, and keys that mean nothing beside it."""
     if section == "solid" and key in KEYS_OF_LAWS:
         return OF_LAWS[key].difference(*KEYS_OF_LAWS[key].get(str(value), []))
-    ways = next((ways for home, ways in _WAYS if home == section and any(key in way for way in ways)), ())
+    groups = next((kind.ways for kind in KINDS.get(section, {}).values()), ())
+    ways = next((ways for ways in groups if any(key in way for way in ways)), ())
     of_data = {"data_first", "data_last"} if {"branches"} in ways else set()  # other branches, other data
     return {rival for way in ways if key not in way for rival in way} | of_data
 
