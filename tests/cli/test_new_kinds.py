@@ -22,7 +22,7 @@ from asperity.surfaces.making import Shape, Unit, in_unit
 
 Amplitude = Annotated[float | str, Gt(0), Quantity("amplitude of the stripes", dimension="height unit")]
 Width = Annotated[float | str, Gt(0), Quantity("width of a tooth", dimension="length unit")]
-Period = Annotated[int, Ge(2), Quantity("sites of a period", dimension="sites", more=", 2 or more.")]
+Period = Annotated[int, Ge(2), Quantity("sites of a period, 2 or more.", dimension="sites")]
 Stiffness = Annotated[float, Gt(0), Quantity("stiffness of the bed", dimension="stiffness unit", usual=2.0)]
 Wait = Annotated[float | str, Gt(0), Quantity("time of the bed", "s")]
 

@@ -30,9 +30,7 @@ class Quantity:
     Attributes
     ----------
     text
-        Its meaning, and after a comma, a colon, a semicolon or a period more for the help.
-    more
-        More for the help.
+        Its meaning, and after a comma, a colon, a semicolon or a period more words for the help.
     dimension
         Dimension of the records, a key of the units of results; by default it follows from the unit.
     key
@@ -46,7 +44,6 @@ class Quantity:
     text: str
     unit: str = ""
     symbol: str = ""
-    more: str = ""
     dimension: str = ""
     key: str = ""
     usual: Any = ...
@@ -62,8 +59,7 @@ class Quantity:
         """All of the text, as a sentence or several."""
         if self.symbol:
             return f"Its {self.meaning} {self.symbol}."
-        text = self.text + self.more
-        return f"{text[0].upper()}{text[1:]}{'.' * (text[-1] != '.')}"
+        return f"{self.text[0].upper()}{self.text[1:]}{'.' * (self.text[-1] != '.')}"
 
 
 @dataclasses.dataclass(frozen=True)

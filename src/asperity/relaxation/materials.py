@@ -90,14 +90,13 @@ def material(
     *,
     kind: Annotated[
         Kind | None,
-        Quantity("quantity in the table", key="table_kind", more=", if its header lacks it.", swept=False),
+        Quantity("quantity in the table, if its header lacks it.", key="table_kind", swept=False),
     ] = None,
     columns: Annotated[
         Chosen | None,
         Quantity(
             "columns by name, or by number from 0: time and modulus, time and compliance, or frequency, "
-            "storage and loss modulus",
-            more=". By default those with such names.",
+            "storage and loss modulus. By default those with such names.",
             swept=False,
         ),
     ] = None,
@@ -115,34 +114,31 @@ def material(
     noise: Annotated[
         float | None,
         *(Ge(0), Lt(1)),
-        Quantity("largest relative rise or fall that is noise", more=". By default 0.05.", swept=False),
+        Quantity("largest relative rise or fall that is noise. By default 0.05.", swept=False),
     ] = None,
     branches: Annotated[
         int | None,
         Ge(1),
         Quantity(
-            "number of free relaxation times in the fit of the table",
+            "number of free relaxation times in the fit of the table. By default the fewest whose misfit "
+            "looks like noise, five at most; else 1 or 2 per decade.",
             key="free_branches",
-            more=". By default the fewest whose misfit looks like noise, five at most; else "
-            "1 or 2 per decade.",
         ),
     ] = None,
     per_decade: Annotated[
         float | None,
         *(Ge(0.2), Le(10)),
         Quantity(
-            "relaxation times per decade of the table",
-            more="; fewer for noisy data. By default as few free times as fit within the noise, five at "
-            "most, else 1 or 2 per decade.",
+            "relaxation times per decade of the table; fewer for noisy data. By default as few free times "
+            "as fit within the noise, five at most, else 1 or 2 per decade.",
             swept=False,
         ),
     ] = None,
     extrapolate: Annotated[
         Extrapolate | Literal["model"] | None,
         Quantity(
-            "assumption beyond the times of the data",
-            more=". plateau: the modulus keeps the last value of the table. model: the branches continue. By "
-            "default other times are refused.",
+            "assumption beyond the times of the data. plateau: the modulus keeps the last value of the "
+            "table. model: the branches continue. By default other times are refused.",
             swept=False,
         ),
     ] = None,
@@ -151,18 +147,16 @@ def material(
     poisson: float | None = None,
     temperature: Annotated[
         _Positive,
-        Quantity("temperature of the contact", "K", more=", such as 40degC, for activated creep or a table."),
+        Quantity("temperature of the contact, such as 40degC, for activated creep or a table.", "K"),
     ] = None,
-    reference: Annotated[
-        _Positive, Quantity("temperature of the table", "K", more=", such as 20degC.")
-    ] = None,
+    reference: Annotated[_Positive, Quantity("temperature of the table, such as 20degC.", "K")] = None,
     activation_energy: Annotated[
         _Positive,
-        Quantity("activation energy of the relaxation times", "J/mol", more=" (Arrhenius): 100kJ/mol."),
+        Quantity("activation energy of the relaxation times (Arrhenius): 100kJ/mol.", "J/mol"),
     ] = None,
     wlf: Annotated[
         Sequence[float] | None,
-        Quantity("constants C1 and C2 of Williams, Landel and Ferry", more=", in its place; C2 in K."),
+        Quantity("constants C1 and C2 of Williams, Landel and Ferry, in its place; C2 in K."),
     ] = None,
     shift: float | None = None,
     hardness: float | str | None = None,

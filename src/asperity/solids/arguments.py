@@ -16,13 +16,13 @@ POISSON = 0.35
 LARGEST = Le(1e30)
 """Products of stiffnesses and mobilities are taken in single precision, which ends at 3e38."""
 
-YOUNG = Quantity("Young's modulus", "Pa", more=", unrelaxed, in place of the contact modulus; one or two.")
-RATIO = Quantity("Poisson's ratio", more="; two for two bodies.")
+YOUNG = Quantity("Young's modulus, unrelaxed, in place of the contact modulus; one or two.", "Pa")
+RATIO = Quantity("Poisson's ratio; two for two bodies.")
 
 Modulus = Annotated[
     float | str | None,
     *(Gt(0), LARGEST),
-    Quantity("contact modulus", "Pa", more=" E*, before anything relaxes."),
+    Quantity("contact modulus E*, before anything relaxes.", "Pa"),
 ]
 Young = Annotated[float | str | None, Gt(0), LARGEST, YOUNG]
 Poisson = Annotated[float, Gt(-1), Le(0.5), RATIO]
@@ -39,16 +39,16 @@ AT_MOST_ALL = Also(lambda _, branches: check_branches(branches))
 Branches = Annotated[
     Sequence[Branch],
     AT_MOST_ALL,
-    Quantity("share of the modulus and relaxation time of each branch", more="; once for each branch."),
+    Quantity("share of the modulus and relaxation time of each branch; once for each branch."),
 ]
 Thickness = Annotated[float | str, Gt(0), Quantity("thickness of the layer or the film", "m")]
 Apparatus = Annotated[
     float | str | Literal["inf"] | None,
     Gt(0),
-    Quantity("stiffness of the apparatus", "N/m", more=", or inf; with it a separation can be held."),
+    Quantity("stiffness of the apparatus, or inf; with it a separation can be held.", "N/m"),
 ]
 Hardness = Annotated[
     float | str | None,
     Gt(0),
-    Quantity("pressure under which the rough surface yields", "Pa", more="; of springs, force of a site."),
+    Quantity("pressure under which the rough surface yields; of springs, force of a site.", "Pa"),
 ]

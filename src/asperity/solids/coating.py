@@ -142,7 +142,7 @@ def coated_half_space(
     poisson: Poisson,
     thickness: Thickness,
     base_modulus: Annotated[
-        float | str, Gt(0), LARGEST, Quantity("contact modulus of the base", "Pa", more=", unrelaxed.")
+        float | str, Gt(0), LARGEST, Quantity("contact modulus of the base, unrelaxed.", "Pa")
     ],
     base_poisson: Annotated[float, Gt(-1), Le(0.5), Quantity("Poisson's ratio of the base")],
     branches: Branches = (),

@@ -99,9 +99,8 @@ def half_space(
         ]
         | None,
         Quantity(
-            "mobility of creep, and its power of the wave number",
-            more=" (-1 bulk flow, 0 dissolution, 1 and 2 diffusion in the volume and along the surface), in "
-            "place of branches.",
+            "mobility of creep, and its power of the wave number (-1 bulk flow, 0 dissolution, 1 and 2 "
+            "diffusion in the volume and along the surface), in place of branches."
         ),
     ] = None,
     apparatus: Apparatus = None,
@@ -109,9 +108,7 @@ def half_space(
     permanent: Annotated[
         float,
         *(Ge(0), Le(0.99)),
-        Quantity(
-            "share of the modulus that does not creep by the local law", more=". By default 0.", usual=None
-        ),
+        Quantity("share of the modulus that does not creep by the local law. By default 0.", usual=None),
     ] = 0.0,
     hardness: Hardness = None,
     adhesion: Adhesion | None = None,
@@ -213,7 +210,7 @@ def layer(
     branches: Branches = (),
     bonded: Annotated[
         bool,
-        Quantity("whether the layer slides on its base", key="frictionless", more=", or is bonded to it."),
+        Quantity("whether the layer slides on its base, or is bonded to it.", key="frictionless"),
     ] = True,
     hardness: Hardness = None,
     adhesion: Adhesion | None = None,

@@ -26,15 +26,15 @@ SHAPES = ("sphere", "paraboloid", "punch", "array")
 """Kinds of surfaces that are shapes, without statistics."""
 
 _RADIUS = Quantity(
-    "radius of the ball",
+    "radius of the ball, radius of curvature of the paraboloid (one, or one an axis), or radius of the "
+    "punch's face.",
     "m",
-    more=", radius of curvature of the paraboloid (one, or one an axis), or radius of the punch's face.",
 )
 _Radius = Annotated[Length, Gt(0), _RADIUS]
 _PixelSize = Annotated[
     Lengths,
     *(Gt(0), Len(1, 2)),
-    Quantity("distance between sites", "m", more=": one, or between rows and columns.", swept=False),
+    Quantity("distance between sites: one, or between rows and columns.", "m", swept=False),
 ]
 _Position = Annotated[Length, Quantity("position", "m")]
 
@@ -122,14 +122,12 @@ def array(
     places: Annotated[
         Sequence[tuple[_Position, _Position]] | Sequence[Sequence[Length]] | NDArray[np.float64],
         Len(1),
-        Quantity("places of the balls", "m", more=": pairs y x, counted from the first site, in m."),
+        Quantity("places of the balls: pairs y x, counted from the first site, in m.", "m"),
     ],
-    radii: Annotated[
-        Lengths, Gt(0), Len(1), Quantity("radii of the balls", "m", more=": one, or one a ball.")
-    ],
+    radii: Annotated[Lengths, Gt(0), Len(1), Quantity("radii of the balls: one, or one a ball.", "m")],
     pixel_size: _PixelSize,
     heights: Annotated[
-        Lengths, Len(1), Quantity("heights of the summits of the balls", "m", more=": one, or one a ball.")
+        Lengths, Len(1), Quantity("heights of the summits of the balls: one, or one a ball.", "m")
     ] = 0.0,
     edges: Edges = "free",
 ) -> Surface:

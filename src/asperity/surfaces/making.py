@@ -34,7 +34,7 @@ MOST_SITES = 2**31
 Shape = Annotated[
     int | tuple[int, ...],
     *(Ge(1), Le(MOST_SITES), Len(1, 2)),
-    Quantity("sites along each axis", dimension="sites", more=": 200 200, or 4096.", usual=(200, 200)),
+    Quantity("sites along each axis: 200 200, or 4096.", dimension="sites", usual=(200, 200)),
 ]
 Positive = Annotated[float | None, Gt(0)]
 Rng = int | np.random.Generator | None
@@ -44,10 +44,9 @@ PixelSize = Annotated[
     Lengths | None,
     *(Gt(0), Len(1, 2)),
     Quantity(
-        "distance between sites",
+        "distance between sites: one number, or one an axis.",
         key="spacing",
         dimension="length unit",
-        more=": one number, or one an axis.",
         usual=(1.0,),
         swept=False,
     ),

@@ -29,50 +29,45 @@ Periodic = Literal["mirror", "reflect", "taper", "wrap", "free"]
 
 def read(
     path: Annotated[
-        str | Path, Quantity("surface file", more="; the other settings prepare it. For spectrum its table.")
+        str | Path, Quantity("surface file; the other settings prepare it. For spectrum its table.")
     ],
     *,
     undefined: Annotated[
         Literal["fill", "no-body", "refuse"],
-        Quantity("treatment of undefined pixels", more=": fill (from neighbors), no-body or refuse."),
+        Quantity("treatment of undefined pixels: fill (from neighbors), no-body or refuse."),
     ] = "fill",
     max_undefined: Annotated[
         float, Ge(0), Lt(1), Quantity("largest fraction of undefined pixels to fill")
     ] = 0.1,
     undefined_value: Annotated[
         float | None,
-        Quantity("height that marks an undefined pixel", dimension="height unit", more=", such as -9999."),
+        Quantity("height that marks an undefined pixel, such as -9999.", dimension="height unit"),
     ] = None,
     tilt: Annotated[
-        Tilt, Quantity("tilt to remove from the heights", more="; quadratic removes a bow, too.")
+        Tilt, Quantity("tilt to remove from the heights; quadratic removes a bow, too.")
     ] = "plane",
     despike: Annotated[
         bool,
         Quantity("fill spikes: pixels more than 6 robust standard deviations above the median", swept=False),
     ] = False,
-    lines: Annotated[
-        Lines, Quantity("offsets of scan lines", more=". median: subtract that of each row.")
-    ] = "none",
+    lines: Annotated[Lines, Quantity("offsets of scan lines. median: subtract that of each row.")] = "none",
     periodic: Annotated[
         Periodic,
         Quantity(
-            "edges of the scan",
-            more=". reflect: reflecting edges. wrap: the scan is periodic. taper: its border is brought to "
-            "the mean. mirror: four mirrored copies, for a periodic solid. free: the body ends.",
+            "edges of the scan. reflect: reflecting edges. wrap: the scan is periodic. taper: its border "
+            "is brought to the mean. mirror: four mirrored copies, for a periodic solid. free: the body "
+            "ends."
         ),
     ] = "reflect",
     unit: Annotated[
         Literal[Length, "rms"] | None,
         Spelled(prepare.spelled),
         Quantity(
-            "unit of the heights",
-            more="; rms divides by the rms height. By default the file's. For spectral and spectrum the unit "
-            "of all lengths; by default none.",
+            "unit of the heights; rms divides by the rms height. By default the file's. For spectral and "
+            "spectrum the unit of all lengths; by default none."
         ),
     ] = None,
-    channel: Annotated[
-        str | int | None, Quantity("channel of the surface file", more=", by name or number.")
-    ] = None,
+    channel: Annotated[str | int | None, Quantity("channel of the surface file, by name or number.")] = None,
     resample: Annotated[
         bool, Quantity("average oblong pixels to squares of the larger spacing", swept=False)
     ] = False,
@@ -80,21 +75,20 @@ def read(
         Sequence[float] | None,
         Len(2, 4),
         Quantity(
-            "part of the surface file",
+            "part of the surface file: top bottom left right, or left right of a profile, in pixels.",
             dimension="pixels, or the unit of the part",
-            more=": top bottom left right, or left right of a profile, in pixels.",
         ),
     ] = None,
     crop_unit: Annotated[
         Literal["pixel", Length] | None,
         Spelled(prepare.spelled),
-        Quantity("unit of that part", more=", in place of pixels.", swept=False),
+        Quantity("unit of that part, in place of pixels.", swept=False),
     ] = None,
     longest: Annotated[
-        Positive, Quantity("longest wavelength kept", dimension="length unit", more=", in the file's unit.")
+        Positive, Quantity("longest wavelength kept, in the file's unit.", dimension="length unit")
     ] = None,
     shortest: Annotated[
-        Positive, Quantity("shortest wavelength kept", dimension="length unit", more=", likewise.")
+        Positive, Quantity("shortest wavelength kept, likewise.", dimension="length unit")
     ] = None,
     file_unit: Annotated[
         Length | None,
@@ -105,10 +99,9 @@ def read(
         float | str | Sequence[float | str] | None,
         *(Gt(0), Len(1, 2)),
         Quantity(
-            "distance between pixels",
+            "distance between pixels, for a file that does not state it, such as 0.5um: one, or between "
+            "rows and between columns. For a ball, a paraboloid, a punch or an array: between sites, in m.",
             dimension="length unit",
-            more=", for a file that does not state it, such as 0.5um: one, or between rows and between "
-            "columns. For a ball, a paraboloid, a punch or an array: between sites, in m.",
             swept=False,
         ),
     ] = None,

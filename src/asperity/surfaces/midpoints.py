@@ -46,7 +46,7 @@ def self_affine(
     size: Annotated[
         int,
         *(Le(MOST_SITES), Also(power_of_two)),
-        Quantity("sites along each axis", dimension="sites", more=", a power of two.", usual=256),
+        Quantity("sites along each axis, a power of two.", dimension="sites", usual=256),
     ],
     *,
     hurst: Annotated[float, Gt(0), Le(1), Quantity("Hurst exponent")] = 0.5,

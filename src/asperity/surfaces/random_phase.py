@@ -51,22 +51,22 @@ def spectral(
     hurst: Annotated[float, Ge(0), Le(1), Quantity("Hurst exponent")] = 0.8,
     roll_off: Annotated[
         Positive,
-        Quantity("wavelength above which the spectrum is flat", dimension="length unit", more=", or a side."),
+        Quantity("wavelength above which the spectrum is flat, or a side.", dimension="length unit"),
     ] = None,
     cutoff: Annotated[
         Positive,
-        Quantity("shortest wavelength", dimension="length unit", more=". By default 8 larger spacings."),
+        Quantity("shortest wavelength. By default 8 larger spacings.", dimension="length unit"),
     ] = None,
     rms_height: Annotated[
         Positive,
-        Quantity("rms height", dimension="height unit", more=". By default 1, without slope and curvature."),
+        Quantity("rms height. By default 1, without slope and curvature.", dimension="height unit"),
     ] = None,
     rms_slope: Annotated[
         Positive,
-        Quantity("rms slope", dimension="height unit / length unit", more=", in place of the height."),
+        Quantity("rms slope, in place of the height.", dimension="height unit / length unit"),
     ] = None,
     rms_curvature: Annotated[
-        Positive, Quantity("rms mean curvature", dimension="height unit / length unit^2", more=", likewise.")
+        Positive, Quantity("rms mean curvature, likewise.", dimension="height unit / length unit^2")
     ] = None,
     pixel_size: PixelSize = None,
     unit: Unit = None,
@@ -146,7 +146,7 @@ def from_spectrum(
     shape: Shape,
     spectrum: Annotated[
         Callable[[Field], ArrayLike] | tuple[ArrayLike, ArrayLike] | str | Path,
-        Quantity("table of wave number q and power spectrum C", key="path", more="; units need `unit`."),
+        Quantity("table of wave number q and power spectrum C; units need `unit`.", key="path"),
     ],
     *,
     pixel_size: PixelSize = 1.0,
