@@ -80,7 +80,7 @@ def test_what_cannot_slide_steadily_is_refused(mistaken, scan, table):
         assert said in mistaken("sliding", *scan, "--young", "30MPa", *flags, "-q")
     solid = '[solid]\nkind = "half_space"\nmodulus = 3e7\n'
     Path("legs.toml").write_text(f'[[protocol]]\nkind = "hold"\nduration = 3.0\n{solid}')
-    assert "[[protocol]]" in mistaken("sliding", "legs.toml", *scan, *ASKED[2:], "-q")
+    assert "protocol: expected none" in mistaken("sliding", "legs.toml", *scan, *ASKED[2:], "-q")
     Path("bare.toml").write_text(f"{solid}[sliding]\nspeeds = 1.0\n")
     assert "[contact] pressure" in mistaken("sliding", "bare.toml", *scan, "-q")
     Path("held.toml").write_text(f"[contact]\nseparation = 1e-6\n{solid}[sliding]\nspeeds = 1.0\n")

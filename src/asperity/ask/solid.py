@@ -15,7 +15,7 @@ from annotated_types import Gt, Le, Len
 from asperity.ask.laws import ACTIVATED, ACTIVATION, KEYS, KEYS_OF_LAWS, OF_LAWS, any_of, named
 from asperity.ask.section import Keys, Section, arguments_of, keys_of_maker
 from asperity.base.calls import outside
-from asperity.base.files import expanded
+from asperity.base.files import expanded, without_links
 from asperity.base.parameters import Law, Parameter, Quantity, parameters_of
 from asperity.creep import Eyring
 from asperity.errors import InputError, Name, Words
@@ -103,6 +103,11 @@ class SolidSection(Section):
     def build(self) -> Solid:
         """Make the solid."""
         return self.make(**self.given)
+
+    def anywhere(self) -> Self:
+        """The same, with an absolute path of its table."""
+        path = getattr(self, "relaxation", None)
+        return self if path is None else self.but(relaxation=str(without_links(expanded(path))))
 
     @property
     def laws(self) -> dict[str, Law]:
@@ -366,11 +371,6 @@ class HalfSpace(_section_of("half_space")):  # type: ignore[misc]
             swept=False,
         ),
     ] = None
-
-    @property
-    def table(self) -> dict[str, Any]:
-        """See `Section`; without draws: no run uses them, and what was not used is not recorded."""
-        return {name: value for name, value in super().table.items() if name != "draws"}
 
     @property
     def material(self) -> Material:
