@@ -89,7 +89,15 @@ def test_edges_are_free_where_asked_and_the_page_says_so(files, prediction, undr
 
 def test_the_command_and_the_function_agree(finished, prediction):
     assert sorted(path.name for path in finished.iterdir()) == [
-        *("asperity.json", "contacts.csv", "contacts.png", "growth.csv", "growth.png", "history.csv"),
+        *(
+            "asperity.json",
+            "config.toml",
+            "contacts.csv",
+            "contacts.png",
+            "growth.csv",
+            "growth.png",
+            "history.csv",
+        ),
         *("history.zarr", "observed.csv", "observed.png", "prediction.html", "pressure.csv", "pressure.png"),
         *("relaxation.csv", "relaxation.png", "solid.toml", "summary.txt"),
     ]
