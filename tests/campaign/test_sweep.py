@@ -179,7 +179,7 @@ def test_a_failed_run_does_not_stop_the_others_and_is_tried_again_when_asked(tmp
     assert said.out.split()[:8] == ["runs", "8", "done", "4", "running", "0", "failed", "4"]
     told = said.out.splitlines()[5:]
     assert len(told) == 2  # both k1 fail alike
-    assert re.match(r"separation = 50.0, seed = 0 \(2 runs, the first [0-9a-f]{24}\): separation: ", told[0])
+    assert re.match(r"separation = 50, seed = 0 \(2 runs, the first [0-9a-f]{24}\): separation: ", told[0])
     assert {path: path.stat().st_mtime_ns for path in before} == before
     # ... but when asked.
     end = campaign.sweep(plan, out, workers=1, retry_failed=True)

@@ -64,6 +64,8 @@ class Question:
         Keys of the file of a run that it does not use, by section.
     refused
         What it expects in place of keys of that file that contradict it, by section and key.
+    pressed
+        Whether it needs a load.
     """
 
     sections: ClassVar[tuple[str, ...]] = ()
@@ -71,6 +73,7 @@ class Question:
     elsewhere: ClassVar[Mapping[str, str]] = {}
     unused: ClassVar[Mapping[str, Iterable[str]]] = {}
     refused: ClassVar[Mapping[tuple[str, str], str]] = {}
+    pressed: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         for name, key in self.keys().items():

@@ -369,6 +369,8 @@ class RunConfig:
                 path = (section, key) if key else (section,)
                 advice = "asperity run, which takes the same file"
                 raise InputError(path[-1], expected=expected, got=shown(value), advice=advice, path=path)
+        if self.own and self.own.question.pressed and not any(self.contact.table.values()):
+            raise self.contact.wrong("pressure", expected="a pressure or a load", got="neither")
 
     def _check_loads(self) -> None:
         """Refuse loads that pull at a solid without adhesion."""

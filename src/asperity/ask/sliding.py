@@ -87,7 +87,7 @@ class SteadySliding(Question):
     G. Carbone, C. Putignano, J. Mech. Phys. Solids 61, 1822 (2013), DOI 10.1016/j.jmps.2013.03.005.
     """
 
-    sections = ("contact",)
+    sections, pressed = ("contact",), True
     unused: ClassVar[Mapping[str, Iterable[str]]] = {
         "aging": Aging.keys,
         "carried": CarriedSection.keys,

@@ -72,44 +72,19 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
     found = {name: store.read(run) for name, run in runs.items() if name in done}
     if not found:
         raise InputError("campaign", expected="finished runs", got=f"{directory} with none yet")
-    first, dims = next(iter(found.values())), tuple(plan.dimensions)
-    over = list(first.attrs["over"])
-    zipped = {axis.name: ("point", list(axis.values)) for axis in plan.axes if plan.zipped}
-    dataset = xr.Dataset(coords=zipped | {name: list(values) for name, values in plan.dimensions.items()})
-    alone = {  # dimensions along which runs have places of their own
-        dim
-        for dim in first.dims
-        if not all(dim in one.dims and np.array_equal(one[dim], first[dim]) for one in found.values())
-    }
+    dataset, over = _placed(plan, found)
     described = _described(found.values())
-    for name, attrs in described.items():
-        one = next(one for one in found.values() if name in one.variables).variables[name]
-        if not {*one.dims} <= {*first.dims} or {*one.dims} & alone - {*over}:
-            continue
-        if name in first.coords and not {*one.dims} & alone:
-            dataset = dataset.assign_coords({name: one})
-            continue
-        values, along = _at_places(plan, found, name), ["entry" if dim in alone else dim for dim in one.dims]
-        if name in first.coords:  # the seeds of a point share its times
-            values = np.nanmax(values, axis=-2, initial=-1.0) if plan.seeds else values
-            values = np.where(values < 0, np.nan, values)
-            dataset = dataset.assign_coords({name: ([dim for dim in dims if dim != "seed"] + along, values)})
-        else:
-            # A swept load is a coordinate; the load as it developed needs another name then.
-            dataset[f"{name}_history" if name in dataset.coords else name] = [*dims, *along], values, attrs
-    if {*over} & alone:
-        over, length = ["entry" if dim in alone else dim for dim in over], dataset.sizes["entry"]
-        dataset = dataset.assign_coords(entry=np.arange(length))
     units = units_named({name: attrs["units"] for name, attrs in described.items()})
     coordinate = {name: (one.long_name, one.dimension) for name, one in select("coordinate").items()}
     known = {name: (attrs["long_name"], attrs["units"]) for name, attrs in described.items()}
     for name in map(str, dataset.coords):
         long_name, unit = parameters.of_parameter(name) or (coordinate | known).get(name, ("", ""))
         dataset[name].attrs.update(long_name=long_name, units=units.get(unit, unit))
-    if "seed" in dims:
+    if plan.seeds:
         dataset = _with_ensemble(dataset)
+    title = "Aging of rough contacts" if "initial_area" in dataset else next(iter(found.values())).title
     return dataset.assign_attrs(
-        title=f"{'Aging of rough contacts' if 'initial_area' in dataset else first.title}: a campaign",
+        title=f"{title}: a campaign",
         asperity_version=__version__,
         runs=len(runs),
         finished=len(found),
@@ -207,6 +182,38 @@ def with_ends(dataset: xr.Dataset) -> xr.Dataset:
                 plain_end = end.drop_vars(["time", "leg", "field_time"], errors="ignore")
                 ends[f"{when}_{quantity}"] = plain_end.assign_attrs(described)
     return dataset.assign(ends)
+
+
+def _placed(plan: Plan, found: Mapping[str, xr.Dataset]) -> tuple[xr.Dataset, list[str]]:
+    """Variables of the runs over the dimensions and their own; and the dimensions of the answer."""
+    first = max(found.values(), key=lambda one: one.sizes.get("direction", 0))  # a law may lack the unloading
+    zipped = {axis.name: ("point", list(axis.values)) for axis in plan.axes if plan.zipped}
+    dataset = xr.Dataset(coords=zipped | {name: list(values) for name, values in plan.dimensions.items()})
+    own = {
+        dim
+        for dim in first.dims
+        if dim != "direction"
+        and not all(dim in one.dims and np.array_equal(one[dim], first[dim]) for one in found.values())
+    }
+    over: list[str] = ["entry" if dim in own else dim for dim in first.attrs["over"]]
+    for name, attrs in _described(found.values()).items():
+        of_run = next(one.variables[name] for one in found.values() if name in one.variables)
+        if not {*of_run.dims} <= {*first.dims} or {*of_run.dims} & own - {*first.attrs["over"]}:
+            continue  # what maps at times of their own know of patches
+        if name in first.coords and not {*of_run.dims} & own:
+            dataset = dataset.assign_coords({name: first.variables[name]})
+            continue
+        values = _at_places(plan, found, name)
+        along = [*plan.dimensions, *("entry" if dim in own else dim for dim in of_run.dims)]
+        if name in first.coords:  # the seeds of a point share its times
+            values = np.nanmax(values, axis=-2, initial=-1.0) if plan.seeds else values
+            values = np.where(values < 0, np.nan, values)
+            dataset = dataset.assign_coords({name: ([dim for dim in along if dim != "seed"], values)})
+        else:
+            # A swept load is a coordinate; the load as it developed needs another name then.
+            dataset[f"{name}_history" if name in dataset.coords else name] = along, values, attrs
+    entries = {"entry": np.arange(dataset.sizes["entry"])} if "entry" in dataset.dims else {}
+    return dataset.assign_coords(entries), over
 
 
 def _at_places(plan: Plan, found: Mapping[str, xr.Dataset], name: str) -> Field:

@@ -22,6 +22,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from asperity.app.config import RunConfig, config_from, from_tables, read_tables, to_tables
@@ -33,6 +34,7 @@ from asperity.ask.run import FILES, ORDER
 from asperity.ask.section import KINDS
 from asperity.base.calls import remark
 from asperity.base.files import expanded
+from asperity.base.readable import written
 from asperity.base.version import __version__
 from asperity.base.words import reason_of, written_with_units
 from asperity.errors import SHOWN_PROBLEMS, ConfigError, InputError
@@ -230,12 +232,15 @@ def load_plan(directory: str | Path) -> Plan:
         ) from error
 
 
-def name_of(plan: Plan, *runs: Run) -> str:
-    """Name runs by the swept values that they share: ``load = 4.0, seed = 2``."""
+def name_of(plan: Plan, *runs: Run, units: Mapping[str, str] = MappingProxyType({})) -> str:
+    """Name runs by the swept values that they share: ``load = 4, seed = 2``."""
     several = {name for name, values in plan.swept.items() if len(values) > 1}
     first, *others = (plan.labels(run) for run in runs)
-    alike = {name: value for name, value in first.items() if all(labels[name] == value for labels in others)}
-    shared = [f"{name} = {value}" for name, value in alike.items() if name in several]
+    shared = [
+        f"{name} = {value if isinstance(value, str) else written(value, units.get(name) or '1')}"
+        for name, value in first.items()
+        if name in several and all(labels[name] == value for labels in others)
+    ]
     return ", ".join(shared) or ("the run" if len(plan.runs) == 1 else "several")
 
 

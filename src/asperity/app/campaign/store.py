@@ -175,15 +175,15 @@ class Store:
             for name, (key, dims, *_) in facts["variables"].items():
                 if fields or not _SITES & {*dims}:
                     rows.setdefault(key, []).append(name)
-            dataset = xr.Dataset(attrs=facts["attributes"] | {"config": facts["config"]})
+            found = {name: tuple(one) for name, one in facts["plain"].items()}
             for key, names in rows.items():
                 stored = np.asarray(group[key])
                 _check(facts["checksums"][key] == _checksum(stored))
                 for name, values in zip(names, [stored] if key == names[0] else stored, strict=True):
                     _, dims, dtype, attrs = facts["variables"][name]
-                    dataset[name] = dims, values.astype(dtype), attrs
-            words = {name: tuple(one) for name, one in facts["words"].items()}
-            return dataset.assign_coords(words).set_coords([*{*facts["coordinates"]} & {*dataset}])
+                    found[name] = dims, values.astype(dtype), attrs
+            coordinates = {name: found.pop(name) for name in facts["coordinates"] if name in found}
+            return xr.Dataset(found, coordinates, facts["attributes"] | {"config": facts["config"]})
 
     def fields(self, run: Run) -> xr.Dataset:
         """Read the dataset of a finished run with the fields that it kept.
@@ -245,23 +245,23 @@ def _write_group(folder: Path, identity: str, outcome: Outcome, seconds: float) 
     dataset = outcome.dataset.assign(dict(sorted(numbers.items())))
     if not outcome.keeps_fields:
         dataset = dataset.drop_dims(_SITES & {*dataset.dims})
-    words = {name: one for name, one in dataset.variables.items() if one.dtype.kind == "U"}
+    plain = {name: one for name, one in dataset.variables.items() if one.dtype.kind == "U" or not one.dims}
     arrays: dict[str, list[NDArray[Any]]] = {}
     variables = {}
     for name, one in dataset.variables.items():
-        if name not in words:
+        if name not in plain:
             key = str(name) if _SITES & {*one.dims} else "_".join(["over", *map(str, one.dims)])
             arrays.setdefault(key, []).append(one.values)
             variables[name] = key, one.dims, one.dtype.str, one.attrs
     group, checksums = zarr.open_group(folder, mode="w"), {}
     for key, parts in arrays.items():
         values = parts[0] if key in variables else np.stack(parts).astype(np.float64)
-        group.create_array(key, data=values, chunks=values.shape or "auto")
+        group.create_array(key, data=values, chunks=values.shape)
         checksums[key] = _checksum(values)
     facts: dict[str, Any] = {
         "identity": identity,
         "variables": variables,
-        "words": {name: (one.dims, one.values.tolist()) for name, one in words.items()},
+        "plain": {name: (one.dims, one.values.tolist(), one.attrs) for name, one in plain.items()},
         "coordinates": [*dataset.coords],
         "attributes": dataset.attrs | {"over": outcome.over},
         "config": to_toml(outcome.config),

@@ -67,9 +67,6 @@ def law(
     if age is not None:
         check_unit("--age", number(age), "s")
     file = file_of_run(material, flags)
-    if file is None and "pressures" not in flags.get("law", {}):
-        advice = "--pressures 0.1MPa 100MPa"
-        raise InputError("--pressures", expected="two pressures or more", got="none", advice=advice)
     if drawn.figures is not None:
         flags["output"] = {"figures": drawn.figures}
     from asperity.app.config.mistakes import Door

@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Folder, check_load, file_of_run, flags_for, given
+from asperity.app.cli.flags import Flags, Folder, file_of_run, flags_for, given
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Drawn, Results
-from asperity.errors import InputError
 
 __all__ = ["flags_for", "sliding"]  # the annotation that `command` writes names flags_for
 
@@ -41,11 +40,6 @@ def sliding(
     """
     flags = given(keys, surface=surface, units=True)
     file = file_of_run(material, flags)
-    if file is None:
-        check_load(flags)
-    if file is None and "speeds" not in flags.get("sliding", {}):
-        advice = "--speeds 1um/s 10m/s"
-        raise InputError("--speeds", expected="a speed, or the ends of a range", got="none", advice=advice)
     if drawn.figures is not None:
         flags["output"] = {"figures": drawn.figures}
     from asperity.app.config.mistakes import Door

@@ -6,7 +6,7 @@ import contextlib
 import os
 import tomllib
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -16,7 +16,7 @@ import xarray as xr
 import asperity.results as results
 from asperity.analysis.aging import summary_of
 from asperity.analysis.rows import history_rows
-from asperity.app.campaign.plan import Plan, Run, load_plan
+from asperity.app.campaign.plan import Plan, Run, load_plan, name_of
 from asperity.app.campaign.store import Store
 from asperity.app.config import RunConfig, config_from
 from asperity.app.config.python import to_python
@@ -26,7 +26,6 @@ from asperity.app.runs.law import Tabulated
 from asperity.app.runs.pipeline import height_law
 from asperity.app.runs.sliding import Slid
 from asperity.base import files
-from asperity.base.readable import written
 from asperity.base.rows import words_of
 from asperity.errors import AsperityError, ConfigError, InputError, printable
 from asperity.results.parameters import PARAMETERS
@@ -196,15 +195,6 @@ def _units(plan: Plan, dataset: xr.Dataset) -> dict[str, str]:
     return {name: units.get(dimension, dimension) for name, dimension in dimensions.items()}
 
 
-def _title(plan: Plan, run: Run, units: Mapping[str, str]) -> str:
-    labels = {name: value for name, value in plan.labels(run).items() if len(plan.swept[name]) > 1}
-    words = (
-        f"{name} = {written(value, units.get(name) or '1') if isinstance(value, int | float) else value}"
-        for name, value in labels.items()
-    )
-    return ", ".join(words) or "the run"
-
-
 def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recording, RunConfig | None]:
     """One run of a campaign, with its surface if it stored no fields."""
     dataset = store.read(run, fields=True)
@@ -214,4 +204,6 @@ def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recordi
         heights = rough.in_meters()[0] if dataset.attrs["si"] else rough.heights
         attrs = {"units": dataset["separation"].attrs["units"]}
         dataset["heights"] = ("y", "x")[2 - heights.ndim :], heights, attrs
-    return _shown(dataset, config, f"{name}/{run.identity}", _title(plan, run, _units(plan, dataset)), None)
+    return _shown(
+        dataset, config, f"{name}/{run.identity}", name_of(plan, run, units=_units(plan, dataset)), None
+    )

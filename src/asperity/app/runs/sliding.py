@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from asperity.app.config import RunConfig
 from asperity.app.runs.outcome import Outcome
 from asperity.app.runs.pipeline import check_units, completed, without_copies
 from asperity.base.calls import remarks_made
 from asperity.base.rows import Row
-from asperity.errors import InputError
 from asperity.progress import Checkpoint, Progress
 from asperity.sliding import steady_sliding
 from asperity.sliding.rows import rows_of
@@ -38,14 +37,11 @@ class Slid(Outcome):
 def slide(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | None = None) -> Slid:
     """Slide a configuration's surface over its solid; it takes seconds a speed, and keeps no checkpoint."""
     del checkpoint
-    held: dict[str, Any] = {name: load for name, load in config.contact.table.items() if load}
-    if not held:
-        path = ("contact", "pressure")
-        raise InputError("pressure", expected="a pressure or a load", got="neither", path=path)
     material, surface = config.solid.material, without_copies(config)
     progress.stage("reading the scan")
     scan = surface.build()
     check_units(config, material.solid, scan)
+    held = {name: load for name, load in config.contact.table.items() if load}
     law = config.friction.strength
     config, remarks = completed(config.but(surface=surface), material.solid, scan)
     with remarks_made() as made:
