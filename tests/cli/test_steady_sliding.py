@@ -66,9 +66,9 @@ def test_a_table_of_moduli_gives_the_curve_of_its_branches(says, scan, table):
 def test_what_cannot_slide_steadily_is_refused(mistaken, scan, table):
     assert "--beyond-table" in mistaken("sliding", table, *scan, *ASKED, "-q")
     refused = {
-        (): "--pressure",
+        (): "--speeds",
         ASKED[2:]: "--pressure",
-        (*ASKED, "--load", "1mN"): "--pressure",
+        (*ASKED, "--load", "1mN"): "load or pressure, got both",
         ("--pressure", "1MPa"): "--speeds",
         (*ASKED, "--branch", "1 1s"): "flows without end",
         (*ASKED, "--branch", "0.5 1s", "--hardness", "1GPa"): "--hardness: expected none",

@@ -36,7 +36,8 @@ def campaign_figure(dataset: xr.Dataset) -> style.Drawing:
     """Draw the answers at each point of a campaign: means over the seeds, and standard errors.
 
     Of histories and predictions the contact against time, of steady sliding the friction against speed, of
-    laws the stiffness against pressure. The parameter with most values tells the curves of a panel apart; each point of the others has a panel.
+    laws the stiffness against pressure under loading. The parameter with most values tells the curves of a
+    panel apart; each point of the others has a panel.
 
     Parameters
     ----------
@@ -55,6 +56,7 @@ def campaign_figure(dataset: xr.Dataset) -> style.Drawing:
     """
     checks.instance("dataset", dataset, xr.Dataset, "asperity.campaign.open(directory)")
     over = str(dataset.attrs.get("over", "time")).split()[-1]
+    dataset = dataset.isel(direction=0) if over == "pressure" else dataset
     place = "time" if over == "entry" else over
     quantity, title = _DRAWN.get(place, ("", ""))
     name = f"{quantity}_mean" if f"{quantity}_mean" in dataset else quantity

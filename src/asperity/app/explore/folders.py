@@ -152,7 +152,7 @@ def _shown(
         law = None if config is None else height_law(config.surface)
         rows = words_of(history_rows(dataset, summary_of(dataset, law)))
     recording.end = ending(dataset, rows)
-    if config is not None and recording.scene is not None:
+    if config is not None and not config.asked and recording.scene is not None:
         recording.scene["python"] = to_python(config, recorded_times(config).tolist())
     return recording, config
 
@@ -179,8 +179,8 @@ def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Head
             along = dataset.attrs["over"][-1]
             shown = next(name for name in _CURVES if name in dataset)
             arrays[f"time.{run.identity}"] = np.ascontiguousarray(dataset[along], dtype=np.float64)
-            curve = dataset[shown].transpose(..., along).values
-            arrays[f"area.{run.identity}"] = np.ascontiguousarray(curve.reshape(-1, curve.shape[-1])[0])
+            curve = dataset[shown].transpose(..., along).values.astype(np.float64)
+            arrays[f"area.{run.identity}"] = curve.reshape(-1, curve.shape[-1])[0].copy()
     first = next((run for run in plan.runs if run.identity in done), None)
     units = {} if first is None else _units(plan, store.read(first))
     parameters = list(plan.swept)
@@ -204,6 +204,5 @@ def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recordi
         heights = rough.in_meters()[0] if dataset.attrs["si"] else rough.heights
         attrs = {"units": dataset["separation"].attrs["units"]}
         dataset["heights"] = ("y", "x")[2 - heights.ndim :], heights, attrs
-    return _shown(
-        dataset, config, f"{name}/{run.identity}", name_of(plan, run, units=_units(plan, dataset)), None
-    )
+    title = name_of(plan, run, units=_units(plan, dataset))
+    return _shown(dataset, config, f"{name}/{run.identity}", title, None)

@@ -87,7 +87,8 @@ class _Teller(Progress):
         if self._recording.scene is None:
             written = self._config.but(output=self._asked.output)
             page, user = (_renamed(written, self._shown, which) for which in (0, 1))
-            texts = {"toml": to_toml(user), "python": to_python(user, list(self._times))}
+            python = "" if user.asked else to_python(user, list(self._times))
+            texts = {"toml": to_toml(user), "python": python}
             self._recording.begin(started(frame, written), page, self._title, last_time=written.end, **texts)
             scene: Header = self._recording.scene or {}
             moments = [*scene["switches"], *(written.output.maps_at or ())]
