@@ -70,19 +70,9 @@ def answers(tmp_path_factory: pytest.TempPathFactory) -> Path:
     heights = asp.surfaces.spectral((32, 32), rms_height=0.05, spacing=0.5)
     np.savetxt(folder / "scan.txt", heights)
     units = ("--file-unit", "um", "--pixel-size", "0.5", "--length-unit", "um")
-    words = (
-        "--surface",
-        str(folder / "scan.txt"),
-        *units,
-        "--modulus",
-        "1GPa",
-        "--pressures",
-        "1MPa",
-        "9MPa",
-    )
-    assert (
-        main(["law", *words, "--per-decade", "3", "--figures", "", "-q", "--out", str(folder / "law")]) == 0
-    )
+    words = ["--surface", str(folder / "scan.txt"), *units, "--modulus", "1GPa", "--figures", "", "-q"]
+    asked = ("--pressures", "1MPa", "9MPa", "--per-decade", "3", "--out", str(folder / "law"))
+    assert main(["law", *words, *asked]) == 0
     (folder / "campaign").mkdir()
     done_here(folder / "campaign", f"{SLIDING}pressure = ['20 MPa', '40 MPa']")
     return folder
@@ -94,24 +84,17 @@ def test_answers_in_a_folder_are_shown_as_they_were_written(folder: Path) -> Non
     opened = open_entry(folder, "law")
     assert opened.recording is not None
     assert opened.recording.end is not None
-    table = (folder / "law" / "law.csv").read_text()
-    assert numbers(opened.recording.end["table"], "stiffness_Pa_per_m") == numbers(
-        table, "stiffness_Pa_per_m"
-    )
+    written, name = (folder / "law" / "law.csv").read_text(), "stiffness_Pa_per_m"
+    assert numbers(opened.recording.end["table"], name) == numbers(written, name)
     assert "approach" in str(opened.recording.end["rows"])
     opened = open_entry(folder, "campaign/out")
     assert opened.campaign is not None
     assert opened.recording is not None
     header, arrays = opened.campaign
     assert header["parameters"] == ["pressure", "seed"]
-    assert all(
-        arrays[f"time.{run['id']}"].tolist() == pytest.approx([1e-6, 1e-5, 1e-4, 1e-3])
-        for run in header["runs"]
-    )
-    (first, second) = (open_entry(folder, f"campaign/out/{run['id']}").recording for run in header["runs"])
-    assert first is not None
-    assert second is not None
-    assert [one.end["title"] for one in (first, second) if one.end] == [
-        "pressure = 20 MPa",
-        "pressure = 40 MPa",
-    ]
+    for run, pressure in zip(header["runs"], ("20 MPa", "40 MPa"), strict=True):
+        assert arrays[f"time.{run['id']}"].tolist() == pytest.approx([1e-6, 1e-5, 1e-4, 1e-3])
+        recording = open_entry(folder, f"campaign/out/{run['id']}").recording
+        assert recording is not None
+        assert recording.end is not None
+        assert recording.end["title"] == f"pressure = {pressure}"
