@@ -6,14 +6,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from asperity.aging.memory import bytes_a_site
 from asperity.app.campaign.plan import Plan
 from asperity.app.campaign.store import Store
 from asperity.app.config import RunConfig
 from asperity.app.runs import recorded_times
-from asperity.ask.question import in_decades
 from asperity.base import checks
 from asperity.patches import QUANTILES
 from asperity.results.quantities import select
@@ -80,7 +78,7 @@ def estimate(plan: Plan, directory: str | Path) -> Estimate:
 def _space(config: RunConfig, solid: Solid, shape: Sequence[int]) -> int:
     """Bytes of a run on disk. Numbers hardly compress, but for what is true or false."""
     maps, sites = len(config.output.maps_at or ()), math.prod(shape)
-    arrays = [8 * _QUANTITIES * _entries(config), 8 * _QUANTITIES]
+    arrays = [8 * _QUANTITIES * (1 + len(recorded_times(config)))]
     if maps:
         fields = 2 + max(1, len(solid.branches))
         arrays += [8 * maps * len(select("map")), 16 * maps * len(QUANTILES), 8 * maps]
@@ -88,13 +86,3 @@ def _space(config: RunConfig, solid: Solid, shape: Sequence[int]) -> int:
         arrays += [8 * sites * maps] * fields + [sites * maps // 8]
     # An array is a description, and a file some folders deep.
     return _BLOCK * (2 + sum(5 + math.ceil(size / _BLOCK) for size in arrays))
-
-
-def _entries(config: RunConfig) -> int:
-    """Entries of an answer: speeds, pressures and ages in both directions, or times."""
-    own: Any = config.own
-    if config.asked == "sliding":
-        return in_decades(own.speeds, own.per_decade).size
-    if config.asked == "law":
-        return 2 * len(config.aging.times or [0.0]) * in_decades(own.pressures, own.per_decade).size
-    return 1 + len(recorded_times(config))
