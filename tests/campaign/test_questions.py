@@ -102,7 +102,7 @@ def test_a_campaign_gathers_the_answers_of_its_question(tmp_path, capsys, text, 
     assert "figure written" in capsys.readouterr().out
     rows = pd.read_csv(tmp_path / "out" / "gathered.csv")
     assert len(rows) == len(plan.runs) * right[name].size
-    columns = [column for column in rows if column == name or column.startswith((f"{name}_m", f"{over}_"))]
+    columns = [one for one in map(str, rows) if one == name or one.startswith((f"{name}_m", f"{over}_"))]
     assert len(columns) == 2
     assert load(tmp_path / "out" / "gathered.zarr").identical(data)
     estimate = campaign.estimate(plan, tmp_path / "elsewhere")

@@ -287,13 +287,11 @@ class RunConfig:
         The branches of a table take its place, unless its spread is used.
         """
         solid = self.solid.resolved() if "solid" in self.unused else self.solid.anywhere()
-        config = self.but(solid=solid, surface=self.surface.anywhere())
-        parts = {name: getattr(config, name) for name in self.unused}
-        idle = {
-            name: {key: part.keys[key].default for key in self.unused[name] if key in part.keys}
-            for name, part in parts.items()
-        }
-        return config.but(**{name: part.but(**idle[name]) for name, part in parts.items()})
+        parts: dict[str, Any] = {"solid": solid, "surface": self.surface.anywhere()}
+        for name, keys in self.unused.items():
+            part = parts.get(name, getattr(self, name))
+            parts[name] = part.but(**{key: part.keys[key].default for key in keys if key in part.keys})
+        return self.but(**parts)
 
     @property
     def parts(self) -> dict[str, Section]:

@@ -212,6 +212,8 @@ class Store:
             _check(facts.pop(_WHOLE) == _checksum_of(facts))
             if facts["identity"] != run.identity:
                 raise _damage(place, "that folder", "holds another run")
+            if "variables" not in facts:
+                raise _damage(place, "that folder", "was written by an earlier version")
             yield group, facts
         except Exception as error:
             if type(error) is InputError:

@@ -34,7 +34,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketClose, WebSocketDisconnect
 
 from asperity.app.config import RunConfig, config_from
-from asperity.app.config.keys import keys_of, sections
+from asperity.app.config.keys import own_keys, sections
 from asperity.app.config.mistakes import Door
 from asperity.app.config.reading import question_of
 from asperity.app.explore.export import exported_page
@@ -44,7 +44,6 @@ from asperity.app.explore.mistakes import Shown, failed, mistake, mistakes_of
 from asperity.app.explore.scene import Arrays, Cursor, Header, Recording, pack
 from asperity.ask.questions import QUESTIONS
 from asperity.ask.run import FILES
-from asperity.ask.section import KINDS
 from asperity.base.files import without_links
 from asperity.errors import ConfigError, InputError, brief
 
@@ -289,11 +288,11 @@ class Server:
         root = self.places.root
         questions = {
             name: {
-                "keys": {key: asdict(one) for key, one in keys_of(KINDS[name][""]).items()},
-                "unused": {section: [*keys] for section, keys in question.unused.items()},
-                "refused": [".".join(path) for path in question.refused],
+                "keys": {key: asdict(one) for key, one in own_keys(name).items() if key not in asked.placed},
+                "unused": {section: [*keys] for section, keys in asked.unused.items()},
+                "refused": [".".join(path) for path in asked.refused],
             }
-            for name, question in QUESTIONS.items()
+            for name, asked in QUESTIONS.items()
         }
         folder = None if root is None else entries(root)
         return {"kind": "hello", "form": form, "questions": questions, "folder": folder}
