@@ -22,7 +22,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 from asperity.app.config import RunConfig, config_from, from_tables, read_tables, to_tables
@@ -232,12 +231,12 @@ def load_plan(directory: str | Path) -> Plan:
         ) from error
 
 
-def name_of(plan: Plan, *runs: Run, units: Mapping[str, str] = MappingProxyType({})) -> str:
+def name_of(plan: Plan, *runs: Run, units: Mapping[str, str] | None = None) -> str:
     """Name runs by the swept values that they share: ``load = 4, seed = 2``."""
     several = {name for name, values in plan.swept.items() if len(values) > 1}
     first, *others = (plan.labels(run) for run in runs)
     shared = [
-        f"{name} = {value if isinstance(value, str) else written(value, units.get(name) or '1')}"
+        f"{name} = {value if isinstance(value, str) else written(value, (units or {}).get(name) or '1')}"
         for name, value in first.items()
         if name in several and all(labels[name] == value for labels in others)
     ]
@@ -265,9 +264,8 @@ def _lists(
             advice = f"{', '.join(IN_A_LEG)} of a leg can: protocol.1.load = [...]"
         else:
             sweepable = key in able
-            advice = (
-                "try seeds" if name == "seed" else f"these can: {', '.join(_swept_keys(kinds, question))}"
-            )
+            others = f"these can: {', '.join(_swept_keys(kinds, question))}"
+            advice = "try seeds" if name == "seed" else others
             if key not in homes or section not in (None, homes[key]):
                 shown = len(problems) < SHOWN_PROBLEMS
                 close = get_close_matches(name, [*homes, "seeds", "combine"], n=1) if shown else []
