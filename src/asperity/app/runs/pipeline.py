@@ -55,7 +55,7 @@ _REMARKED_SEAM = 3.0
 _MOST_MAPS = 24
 """Maps that one figure shows."""
 
-_FITTED = {"a": "a", "q": "q", "t0": "t0", "C": "(a - 1) q"}
+_FITTED = {"fit_a": "a", "fit_q": "q", "fit_t0": "t0", "fit_C": "(a - 1) q"}
 """Numbers of the saturation law, and how they are named."""
 
 _SOFT = 1e-7
@@ -85,10 +85,10 @@ class History(Outcome):
             relaxed = attrs.get(f"relaxed_{name}", np.nan)
             found[f"relaxed_{name}"] = relaxed, f"{named[name]}, relaxed", units[name]
         for name, meaning in _FITTED.items() if fit is not None else ():
-            unit = units["time"] if name == "t0" else "1"
-            error = f"{meaning} of the saturation law, standard error of the fit"
-            found[f"fit_{name}"] = getattr(fit, name), f"{meaning} of the saturation law", unit
-            found[f"fit_{name}_uncertainty"] = getattr(fit, f"{name}_stderr"), error, unit
+            unit, of_law = units["time"] if name == "fit_t0" else "1", f"{meaning} of the saturation law"
+            value, error = (getattr(fit, name.removeprefix("fit_") + end) for end in ("", "_stderr"))
+            found[name] = value, of_law, unit
+            found[f"{name}_uncertainty"] = error, f"{of_law}, standard error of the fit", unit
         if fit is not None:
             found["fit_misfit"] = fit.rms_residual, "rms misfit of the saturation law", "1"
         return {

@@ -5,7 +5,7 @@ const EVERYDAY = {
   surface: ["kind", "shape", "size", "rms", "hurst", "path", "seed"],
   solid: ["kind", "k0", "k1", "R", "modulus", "poisson", "thickness", "branches", "base_modulus", "base_poisson"],
   contact: ["load", "pressure", "separation"],
-  aging: ["last", "per_decade"],
+  aging: ["last", "per_decade", "times"],
   friction: ["shear_strength"],
   prediction: ["ramp"],
   law: ["pressures", "per_decade"],
