@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from asperity.app.config import RunConfig
 from asperity.app.runs.outcome import Outcome
-from asperity.app.runs.pipeline import check_units, completed
+from asperity.app.runs.pipeline import completed
 from asperity.base.calls import remarks_made
 from asperity.base.rows import Row
 from asperity.contact_law import law
@@ -63,7 +63,6 @@ def tabulate(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | 
     scan = surface.build()
     if solid.in_lengths:
         scan.in_meters()
-    check_units(config, solid, scan)
     if solid.half_space:
         config = config.but(carried=config.carried.but(stiffness=True))
     asked = {"times": config.aging.times, "carried": config.carries, "rtol": config.aging.rtol}
