@@ -16,7 +16,6 @@ from asperity.app.config import config_from
 from asperity.app.explore.export import exported_page
 from asperity.app.explore.scene import ending, recorded
 from asperity.app.runs import Progress, execute
-from asperity.app.runs.words import run_rows
 from asperity.base.rows import words_of
 from asperity.results import save
 
@@ -155,7 +154,7 @@ def outcome():
 def exported(outcome, tmp_path_factory):
     """The page of that run, in a file."""
     recording = recorded(outcome.dataset, outcome.config, job="unloading", title='Unloading <&> "quoted"')
-    recording.end = ending(outcome.dataset, words_of(run_rows(outcome)))
+    recording.end = ending(outcome.dataset, words_of(outcome.rows()))
     path = tmp_path_factory.mktemp("exported") / "page.html"
     path.write_text(exported_page(recording.messages(), title="Unloading"), encoding="utf-8")
     return path.as_uri()

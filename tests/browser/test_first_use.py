@@ -192,3 +192,31 @@ def test_on_a_phone_the_results_come_first(live):
     again(page, lambda: page.click("#branch button"))
     assert seen(page, "#curve-title")
     assert seen(page, "#curve")
+
+
+@pytest.mark.parametrize("viewport", [WIDE, NARROW])
+def test_another_question_is_chosen_asked_and_left_again(live, viewport):
+    page = opened(live(viewport=viewport))
+    page.select_option("#question", "sliding")
+    assert page.locator("#press").text_content() == "Slide"
+    assert not page.locator("#section-aging").is_visible()
+    page.fill("[id='surface.shape']", "32 32")
+    page.fill("[id='sliding.speeds']", "1 mm/s 1 um/s")
+    page.click("#press")
+    until(page, "asperity.state.mistakes.length")
+    assert "the lowest first" in page.locator("[id='mistake-sliding.speeds']").text_content()
+    opened(page).fill("[id='sliding.speeds']", "1 um/s 1 mm/s")
+    page.click("#press")
+    until(page, "!asperity.state.busy && !document.querySelector('#answer').hidden")
+    assert "largest friction" in page.locator("#answer").text_content()
+    assert page.evaluate("document.querySelector('#answer img').naturalWidth") > 100
+    assert page.evaluate("document.documentElement.scrollWidth") == viewport["width"]
+    assert not page.locator("#panels").is_visible()
+    page.reload()  # the address asks again
+    until(page, "asperity.state.connected && !document.querySelector('#answer').hidden")
+    assert page.locator("#question").input_value() == "sliding"
+    opened(page).select_option("#question", "")
+    page.click("#press")
+    until(page, "asperity.state.finished")
+    assert page.locator("#answer").is_hidden()
+    assert page.locator("#panels").is_visible()

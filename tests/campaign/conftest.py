@@ -155,4 +155,6 @@ def numbers(folder: Path) -> dict[str, bytes]:
     """The series of every run in a store, to the last bit."""
     store = folder / "runs.zarr"
     names = [path.parent.name for path in store.glob("*/zarr.json")]
-    return {name: np.asarray(zarr.open_group(store / name, mode="r")["series"]).tobytes() for name in names}
+    return {
+        name: np.asarray(zarr.open_group(store / name, mode="r")["over_time"]).tobytes() for name in names
+    }

@@ -151,8 +151,8 @@ def test_every_mistake_is_named_before_anything_starts(tmp_path, monkeypatch):
 
 def test_a_run_is_named_by_what_distinguishes_it(tmp_path):
     plan = plan_of(tmp_path, "load = [1.0, 2.0]\nk1 = [3.0]\nseeds = 2")
-    assert [name_of(plan, run) for run in plan.runs[1:3]] == ["load = 1.0, seed = 4", "load = 2.0, seed = 3"]
-    assert name_of(plan, *plan.runs[:2]) == "load = 1.0"
+    assert [name_of(plan, run) for run in plan.runs[1:3]] == ["load = 1, seed = 4", "load = 2, seed = 3"]
+    assert name_of(plan, *plan.runs[:2]) == "load = 1"
     assert name_of(plan, *plan.runs) == "several"
     alone = read_plan(written(tmp_path, BASE))
     assert name_of(alone, alone.runs[0]) == "the run"

@@ -11,7 +11,7 @@ from filelock import FileLock
 
 import asperity.app.campaign as campaign
 import asperity.app.campaign.store
-from asperity.app.campaign.store import QUANTITIES, Store
+from asperity.app.campaign.store import Store
 from asperity.app.campaign.worker import run_task
 from asperity.app.cli import main
 from tests.campaign.conftest import SMALL, do_here, numbers, some_of, written
@@ -41,11 +41,13 @@ def changed(file, change):
 
 
 DAMAGE = {
-    "a chunk is gone": lambda run: (run / "series" / "c" / "0" / "0").unlink(),
+    "a chunk is gone": lambda run: (run / "over_time" / "c" / "0" / "0").unlink(),
     "no table": lambda run: (run / "zarr.json").write_text("3"),
-    "a shape": lambda run: changed(run / "series" / "zarr.json", lambda facts: facts.update(shape=[[0], 8])),
+    "a shape": lambda run: changed(
+        run / "over_time" / "zarr.json", lambda facts: facts.update(shape=[[0], 8])
+    ),
     "a number": lambda run: changed(
-        run / "zarr.json", lambda facts: facts["attributes"]["scalars"].update(initial_area=99999.0)
+        run / "zarr.json", lambda facts: facts["attributes"]["attributes"].update(held="area")
     ),
     "no checksum": lambda run: changed(
         run / "zarr.json", lambda facts: facts["attributes"].pop("attributes_checksum") and None
@@ -104,14 +106,6 @@ def test_a_damaged_store_or_plan_is_named(two):
         changed(out / "plan.json", damage)
         with refuses("campaign", out):
             campaign.open(out)
-
-
-def test_runs_of_a_version_with_fewer_series_are_read():
-    series = np.arange(6.0).reshape(3, 2)
-    found = asperity.app.campaign.store._completed(series, ["time", "area", "load"])
-    for name, values in zip(QUANTITIES, found, strict=True):
-        wanted = {"time": series[0], "area": series[1], "load": series[2]}.get(name, [np.nan] * 2)
-        np.testing.assert_array_equal(values, wanted)
 
 
 def test_a_folder_that_another_process_prepares_is_not_waited_for_for_ever(tmp_path, monkeypatch):

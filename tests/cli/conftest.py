@@ -99,7 +99,8 @@ def undrawn(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFa
     """What ``asperity predict`` finds from now on, of which nothing is drawn and kept: that takes longest."""
     found: list[Prediction] = []
     folder = tmp_path_factory.mktemp("undrawn")
-    monkeypatch.setattr("asperity.app.predict.folder.write_files", lambda one, *_, **__: found.append(one))
+    of_answer = "asperity.app.runs.prediction.Predicted.write"
+    monkeypatch.setattr(of_answer, lambda one, *_, **__: found.append(one.prediction))
     monkeypatch.setattr("asperity.app.cli.computing.write_into", lambda *_: None)
     monkeypatch.setattr("asperity.app.cli.computing.whole_folder", lambda *_, **__: nullcontext(folder))
     return found

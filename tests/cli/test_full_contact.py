@@ -185,7 +185,7 @@ def test_a_picture_that_fails_is_a_remark_and_no_loss(asperity, monkeypatch, com
 
 def test_a_summary_or_a_page_that_fails_is_a_remark_and_no_loss(says, monkeypatch):
     monkeypatch.setattr("asperity.prediction.rows.carried_rows", Mock(side_effect=ZeroDivisionError("by 0")))
-    monkeypatch.setattr("asperity.app.predict.folder.prediction_page", Mock(side_effect=KeyError("rows")))
+    monkeypatch.setattr("asperity.figures.page.prediction_page", Mock(side_effect=KeyError("rows")))
     words, kept = COMMANDS["predict"]
     text = says(*shlex.split(words), "--quiet", "--out", "out") + Path("out/summary.txt").read_text("utf-8")
     assert "the summary could not be drawn: by 0" in text

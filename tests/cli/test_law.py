@@ -114,11 +114,11 @@ def test_a_file_with_keys_that_no_law_has_is_refused(mistaken, scan):
     Path("legs.toml").write_text(
         '[[protocol]]\nkind = "hold"\nduration = 3.0\n[solid]\nkind = "half_space"\nmodulus = 3e9\n'
     )
-    assert mistaken("law", "legs.toml", *scan, *RANGE, "-q").startswith("[[protocol]]: expected none")
+    assert "legs.toml: protocol: expected none" in mistaken("law", "legs.toml", *scan, *RANGE, "-q")
     Path("area.toml").write_text(
         '[solid]\nkind = "half_space"\nmodulus = 3e9\n[output]\nmeasured = "a.csv"\n'
     )
-    assert mistaken("law", "area.toml", *scan, *RANGE, "-q").startswith("[output] measured: expected none")
+    assert "[output] measured: expected none" in mistaken("law", "area.toml", *scan, *RANGE, "-q")
     Path("shear.toml").write_text(
         '[solid]\nkind = "half_space"\nmodulus = 3e9\n[carried]\nshear = 1e-6\nfriction_coefficient = 0.3\n'
     )
@@ -134,7 +134,7 @@ def test_what_a_law_does_not_use_is_remarked(asperity, scan):
         f'{solid}[contact]\npressure = 1e6\n[aging]\nhold = "load"\ntimes = [0.0]\n[friction]\n'
         'shear_strength = 1e7\n[output]\npixel = "0.1 um"\nfigures = []\n'
     )
-    unused = "a law does not use [solid] draws, [contact] pressure, [aging] hold, "
+    unused = "the law does not use [solid] draws, [contact] pressure, [aging] hold, "
     unused += "[friction] shear_strength, [output] pixel"
     assert asperity("law", "run.toml", *scan, *RANGE, "-q") == (0, "", "")
     assert f"  {unused}\n" in Path("law/summary.txt").read_text()

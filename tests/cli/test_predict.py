@@ -13,12 +13,11 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import asperity as asp
-from asperity.app.cli import main
-from asperity.app.cli import predict as command
+from asperity.app.cli import computing, main
 from asperity.app.cli.flags import naming
 from asperity.app.config import config_from
-from asperity.app.predict import predict_config
 from asperity.app.runs import Progress
+from asperity.app.runs.prediction import foretell
 from asperity.errors import InputError
 from asperity.figures.page import prediction_page, quantity
 from asperity.figures.prediction import growth_figure
@@ -90,7 +89,15 @@ def test_edges_are_free_where_asked_and_the_page_says_so(files, prediction, undr
 
 def test_the_command_and_the_function_agree(finished, prediction):
     assert sorted(path.name for path in finished.iterdir()) == [
-        *("asperity.json", "contacts.csv", "contacts.png", "growth.csv", "growth.png", "history.csv"),
+        *(
+            "asperity.json",
+            "config.toml",
+            "contacts.csv",
+            "contacts.png",
+            "growth.csv",
+            "growth.png",
+            "history.csv",
+        ),
         *("history.zarr", "observed.csv", "observed.png", "prediction.html", "pressure.csv", "pressure.png"),
         *("relaxation.csv", "relaxation.png", "solid.toml", "summary.txt"),
     ]
@@ -266,12 +273,13 @@ def test_a_protocol_may_put_the_load_on(files, ramped):
         "contact": {"pressure": "2 MPa"},
         "aging": {"first": 10.0},
         "protocol": [{"kind": "ramp", "duration": "2.4 s", "pressure": "2 MPa"}, hold],
+        "prediction": {},
     }
     config = config_from(tables, {}, None)
-    held = predict_config(config, Progress())
+    held = foretell(config, Progress()).prediction
     assert held.growth is None  # from 2 MPa to 2 MPa: a history as any other
     unloaded = type(config.contact)(load=0.0)
-    ours = predict_config(config.but(contact=unloaded), Progress())
+    ours = foretell(config.but(contact=unloaded), Progress()).prediction
     np.testing.assert_array_equal(ours.series("area"), ramped[2.4].series("area"))
     legs = [Ramp(2.4, pressure=2e6), Hold(997.6)]
     scan, material = config.surface.scan.build(), config.solid.material
@@ -303,7 +311,7 @@ def test_an_interrupted_prediction_goes_on(files, monkeypatch, asperity, scan, u
             if frame.time > 1.0:
                 raise KeyboardInterrupt
 
-    monkeypatch.setattr(command, "_CHECKPOINT_EVERY", 0.0)
+    monkeypatch.setattr(computing, "_CHECKPOINT_EVERY", 0.0)
     call = words(files, "--pressure", "40MPa", "--ramp", "50ms", "--quiet", "--out", tmp_path / "out")
     with monkeypatch.context() as hurried:
         hurried.setattr("asperity.progress.Progress", Impatient)

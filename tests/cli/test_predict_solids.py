@@ -261,7 +261,7 @@ def test_edges_of_a_scan_are_those_of_the_file(undrawn, asperity):
         call = ("predict", write(surface=surface, output=output), "--surface", "scan.txt", "--quiet")
         assert asperity(*call) == (0, "", "")
         assert undrawn[-1].origin["periodic_rule"] == "wrap"
-        unused = "a prediction does not use [output] maps_at"
+        unused = "the prediction does not use [output] maps_at"
         assert (unused in undrawn[-1].remarks) == bool(output)
 
 
@@ -395,7 +395,7 @@ def test_a_prediction_of_a_file_says_what_its_band_holds(undrawn, asperity):
 
 def test_a_run_does_not_use_draws_and_says_so_once(says):
     toml = write(solid=DRAWN)
-    unused = "a run does not use [solid] draws"
+    unused = "the run does not use [solid] draws"
     said = says("run", toml)
     assert said.count("[solid] draws") == said.count(unused) == 1
     assert "draws =" not in Path("asperity-out/config.toml").read_text()

@@ -66,9 +66,9 @@ def test_a_table_of_moduli_gives_the_curve_of_its_branches(says, scan, table):
 def test_what_cannot_slide_steadily_is_refused(mistaken, scan, table):
     assert "--beyond-table" in mistaken("sliding", table, *scan, *ASKED, "-q")
     refused = {
-        (): "--pressure",
+        (): "--speeds",
         ASKED[2:]: "--pressure",
-        (*ASKED, "--load", "1mN"): "--pressure",
+        (*ASKED, "--load", "1mN"): "load or pressure, got both",
         ("--pressure", "1MPa"): "--speeds",
         (*ASKED, "--branch", "1 1s"): "flows without end",
         (*ASKED, "--branch", "0.5 1s", "--hardness", "1GPa"): "--hardness: expected none",
@@ -80,7 +80,7 @@ def test_what_cannot_slide_steadily_is_refused(mistaken, scan, table):
         assert said in mistaken("sliding", *scan, "--young", "30MPa", *flags, "-q")
     solid = '[solid]\nkind = "half_space"\nmodulus = 3e7\n'
     Path("legs.toml").write_text(f'[[protocol]]\nkind = "hold"\nduration = 3.0\n{solid}')
-    assert "[[protocol]]" in mistaken("sliding", "legs.toml", *scan, *ASKED[2:], "-q")
+    assert "protocol: expected none" in mistaken("sliding", "legs.toml", *scan, *ASKED[2:], "-q")
     Path("bare.toml").write_text(f"{solid}[sliding]\nspeeds = 1.0\n")
     assert "[contact] pressure" in mistaken("sliding", "bare.toml", *scan, "-q")
     Path("held.toml").write_text(f"[contact]\nseparation = 1e-6\n{solid}[sliding]\nspeeds = 1.0\n")

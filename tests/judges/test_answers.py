@@ -16,15 +16,13 @@ import numpy as np
 import pytest
 
 from asperity.app.config import config_from
-from asperity.app.predict.pipeline import predict_config
-from asperity.app.runs import execute
-from asperity.app.runs.law import law_of_config
+from asperity.app.runs import answer
 from asperity.progress import Progress
 
 HERE = Path(__file__).parent
 QUESTIONS = tomllib.loads((HERE / "questions.toml").read_text("utf-8"))
 ANSWERS = HERE / "answers.json"
-VERBS: dict[str, Any] = {"run": execute, "predict": predict_config, "law": law_of_config}
+SECTIONS = {"predict": "prediction", "law": "law"}
 ELSEWHERE = 1e-5
 """Relative difference between processors: last bits pass through time steps and solvers of a tolerance.
 With the instructions of x86-64 alone in place of AVX-512 it is at most 2.4e-6, mostly below 1e-6."""
@@ -41,9 +39,10 @@ def machine():
 def answered(kind, name):
     """Hash of each array, and the first and last finite number of each that is real, to nine digits."""
     tables = {key: one for key, one in QUESTIONS[kind][name].items() if key not in ("quick", "asked")}
-    asked = QUESTIONS[kind][name].get("asked", {})
-    result = VERBS[kind](config_from(tables, {}, None), Progress(), **asked)
+    asked = {SECTIONS[kind]: QUESTIONS[kind][name].get("asked", {})} if kind in SECTIONS else {}
+    result: Any = answer(config_from(tables | asked, {}, None), Progress())
     arrays = {key: np.ascontiguousarray(one.values) for key, one in sorted(result.dataset.variables.items())}
+    result = getattr(result, "prediction", result)
     if getattr(result, "bands", ()):
         arrays["bands"] = np.array([list(vars(band).values()) for band in result.bands])
     if getattr(result, "observed", ()):

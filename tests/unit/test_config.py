@@ -18,11 +18,11 @@ from asperity.app.config import MeasuredSurface, config_from
 from asperity.app.config.keys import Key, sections
 from asperity.app.config.mistakes import Door
 from asperity.app.config.python import to_python
-from asperity.app.config.reading import asked_at, file_surface, from_tables, read_config, to_tables, to_toml
+from asperity.app.config.reading import config_at, file_surface, from_tables, read_config, to_tables, to_toml
 from asperity.app.runs import Progress, execute, recorded_times
 from asperity.app.runs.pipeline import height_law
 from asperity.ask.legs import keys_of_leg
-from asperity.ask.run import Aging, Output, RunConfig
+from asperity.ask.run import ORDER, Aging, Output, RunConfig
 from asperity.ask.section import KINDS as SECTIONS
 from asperity.ask.solid import SOLIDS, HalfSpace
 from asperity.ask.surface import SURFACES
@@ -384,9 +384,7 @@ def test_a_hold_longer_than_its_table_needs_a_plateau(tmp_path: Path) -> None:
 def test_every_key_has_one_flag() -> None:
     sections = ("surface", "preparation", "solid", "contact", "aging", "friction", "carried", "output")
     keys = {(section, key.name) for section, key in flags_for(*sections).keys.values()}
-    known = {
-        (section, key) for section, kinds in SECTIONS.items() for one in kinds.values() for key in one.keys
-    }
+    known = {(section, key) for section in ORDER for one in SECTIONS[section].values() for key in one.keys}
     known |= {("surface", "kind"), ("solid", "kind")}
     assert keys == known - {("solid", "draws")}  # which are for files alone
 
@@ -548,10 +546,10 @@ def test_mistakes_of_a_question_and_of_its_sections_come_together(tmp_path):
     file = tmp_path / "law.toml"
     file.write_text("[law]\npressurs = [1.0]\n[contact]\nlode = 3.0\n[sweep]\nseed = [1]\n")
     with pytest.raises(ConfigError) as refused:
-        asked_at(Door({}, file), "law")
+        config_at(Door({}, file), question="law")
     assert [one.path for one in refused.value.mistakes] == [
         ("sweep",),
-        ("law", "pressurs"),
         ("contact", "lode"),
+        ("law", "pressurs"),
         ("law", "pressures"),
     ]

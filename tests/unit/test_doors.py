@@ -18,10 +18,11 @@ import asperity as asp
 from asperity import protocols, solids, surfaces
 from asperity.app.cli.flags import flags_for, given, keys_for
 from asperity.app.config import RunConfig, config_from
-from asperity.app.config.keys import QUESTIONS, sections
+from asperity.app.config.keys import sections
 from asperity.app.config.mistakes import Door
-from asperity.app.config.reading import asked_at, config_at, to_toml
+from asperity.app.config.reading import config_at, to_toml
 from asperity.app.explore.server import Places, read_request
+from asperity.ask.questions import QUESTIONS
 from asperity.ask.solid import OF_DATA
 from asperity.base.parameters import parameters_of
 from asperity.base.words import tables_to_toml
@@ -276,14 +277,14 @@ def test_keys_of_a_question_stand_in_a_file_or_are_flags(name, texts, numbers, r
     file, empty = tmp_path / "asked.toml", tmp_path / "empty.toml"
     file.write_text(tables_to_toml({name: texts}))
     empty.touch()
-    config, asked = asked_at(Door({}, file), name)
-    assert (config, asked) == asked_at(Door({name: texts}, empty), name)
-    assert asked == {**asked, **numbers}
-    assert asked_at(Door({name: texts}, file), name)[1] == asked  # flags override the file
+    config = config_at(Door({}, file), question=name)
+    assert config == config_at(Door({name: texts}, empty), question=name)
+    assert vars(config.own) == vars(config.own) | numbers
+    assert config_at(Door({name: texts}, file), question=name).own == config.own  # flags override the file
     (key,) = refused
     for door in (Door({name: texts | refused}, empty), Door({name: refused}, file)):
         with pytest.raises(ConfigError) as raised:
-            asked_at(door, name)
+            config_at(door, question=name)
         assert [one.path for one in raised.value.mistakes] == [(name, key)]
     with pytest.raises(ConfigError, match=f"file of a .*, not of a run.*asperity {COMMANDS.get(name, name)}"):
         config_at(Door({}, file))

@@ -103,13 +103,13 @@ def test_of_two_writers_one_keeps_the_name_and_the_other_says_so(here, write):
 
 
 def test_a_command_keeps_what_came_while_it_computed(here, monkeypatch, capsys):
-    import asperity.app.runs as runs
+    from asperity.app.runs import answer
 
-    def execute(*words, computed=runs.execute, **more):
+    def answered(*words, **more):
         come("out/thesis/1.txt")
-        return computed(*words, **more)
+        return answer(*words, **more)
 
-    monkeypatch.setattr(runs, "execute", execute)
+    monkeypatch.setattr("asperity.app.cli.computing.answer", answered)
     assert main(["run", *SMALL, "--quiet", "--out", "out"]) == 1
     assert capsys.readouterr().err.splitlines()[-1] == (
         "asperity: out holds what was not there when this began, and is kept; the results are in out-2"

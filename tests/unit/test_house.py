@@ -42,7 +42,7 @@ ROOMS = [
     {"inference"},
     {"app.config"},
     {"app.runs"},
-    {"app.predict", "app.campaign"},
+    {"app.campaign"},
     {"app.explore"},
     {"app.cli"},
     {"__main__"},
@@ -162,7 +162,7 @@ def test_public_rooms_show_public_names_and_no_module_hides_behind_a_function_of
 
 def test_every_room_is_reached():
     # The name of the room of predictions is that of the function at its door.
-    for room in set(levels(ROOMS)) - {"__main__", "app.predict"}:
+    for room in set(levels(ROOMS)) - {"__main__"}:
         assert asperity.__getattr__(room.removeprefix("app.")) is sys.modules[f"asperity.{room}"]
 
 

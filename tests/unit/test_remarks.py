@@ -11,9 +11,7 @@ from scipy.optimize import brentq
 import asperity as asp
 from asperity.analysis.bands import rows_of_maps
 from asperity.app.config import config_from
-from asperity.app.predict import predict_config
-from asperity.app.runs import Progress, execute
-from asperity.app.runs.law import law_of_config
+from asperity.app.runs import Progress, answer, execute
 from asperity.base.calls import remarks_made
 from asperity.contact.remarks import (
     Resolved,
@@ -62,15 +60,15 @@ def test_all_doors_make_the_same_remarks():
     }
 
     def of(**changed):
-        return config_from(tables | changed, {}, None)
+        return answer(config_from(tables | changed, {}, None), Progress()).remarks
 
     law: dict[str, Any] = {"pressures": ["0.1 MPa", "0.5 MPa"], "per_decade": 1}
     doors = [
-        execute(of(), Progress()).remarks,
-        execute(of(output={"maps_at": []}), Progress()).remarks,  # as the page asks for it
-        predict_config(of(), Progress()).remarks,
+        of(),
+        of(output={"maps_at": []}),  # as the page asks for it
+        of(prediction={}),
         asp.predict(rubber, rough, pressure="0.5 MPa", first="0.1 s", last="10 s").remarks,
-        law_of_config(of(contact={}, aging={"times": [0.0]}), Progress(), **law).remarks,
+        of(contact={}, aging={"times": [0.0]}, law=law),
         remarks_of(lambda: asp.press(rough, rubber, pressure="0.5 MPa")),
         remarks_of(lambda: asp.press(rough, rubber, pressure=["0.1 MPa", "0.5 MPa"])),
         remarks_of(lambda: asp.law(rubber, rough, times=[0.0], **law)),
@@ -235,11 +233,11 @@ def test_an_implausible_friction_is_remarked(strength, said):
         "aging": {"times": [0.1, 0.3, 1, 3, 10]},
         "friction": {"shear_strength": strength},
     }
-    config = config_from(tables, {}, None)
-    ran, predicted = execute(config, Progress()), predict_config(config, Progress())
-    for answer in (ran, predicted):
-        mu = float(answer.dataset["friction"][0])
-        assert any_of(answer.remarks, f"the coefficient of friction is {mu:.3g};") == (
+    questions: list[dict[str, Any]] = [{}, {"prediction": {}}]
+    for question in questions:
+        found = answer(config_from(tables | question, {}, None), Progress())
+        mu = float(found.dataset["friction"][0])
+        assert any_of(found.remarks, f"the coefficient of friction is {mu:.3g};") == (
             {f"the coefficient of friction is {mu:.3g};"} if said else set()
         )
 

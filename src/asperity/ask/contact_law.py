@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from annotated_types import Ge, Le
 
 from asperity.ask.carried import Carried
 from asperity.ask.question import Question, in_decades
-from asperity.ask.run import Aging
+from asperity.ask.run import Aging, Contact, Friction
 from asperity.base import checks
 from asperity.base.parameters import Quantity
 from asperity.errors import InputError
@@ -66,6 +66,17 @@ class Law(Question):
     """
 
     sections, placed = ("aging",), {"times": "aging"}
+    unused: ClassVar[Mapping[str, Iterable[str]]] = {
+        "solid": ("draws",),
+        "contact": Contact.keys,
+        "aging": ("first", "last", "per_decade", "hold"),
+        "friction": Friction.keys,
+        "output": ("maps_at", "pixel", "blur", "threshold"),
+    }
+    refused: ClassVar[Mapping[tuple[str, str], str]] = {
+        ("protocol", ""): "none for a law, whose pressures are held",
+        ("output", "measured"): "none for a law, whose pressures are held",
+    }
 
     solid: Solid
     surface: str | Path | Surface
@@ -76,13 +87,16 @@ class Law(Question):
             "load over nominal area: the two ends of a range, such as 0.1MPa 100MPa, or three values "
             "or more.",
             "Pa",
+            swept=False,
         ),
     ]
     times: Annotated[
         Sequence[float | str] | checks.Floats | float | str | None,
-        Quantity('ages, such as 0s 1h "1 year". By default 0s, if nothing creeps.', "s"),
+        Quantity('ages, such as 0s 1h "1 year". By default 0s, if nothing creeps.', "s", swept=False),
     ] = None
-    per_decade: Annotated[int, *(Ge(1), Le(1000)), Quantity("pressures in each decade of a range")] = 10
+    per_decade: Annotated[
+        int, *(Ge(1), Le(1000)), Quantity("pressures in each decade of a range", swept=False)
+    ] = 10
     carried: Carried | None = None
     rtol: float = Aging.keys["rtol"].default  # type: ignore[assignment]
     progress: Progress | Callable[[Any], None] | bool | None = None

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from inspect import signature
 from pathlib import Path
-from typing import Annotated, Any, cast
+from typing import Annotated, Any, ClassVar, cast
 
 from annotated_types import Gt
 
 from asperity.ask.carried import Carried
 from asperity.ask.question import Question
-from asperity.ask.run import Aging, Output
+from asperity.ask.run import Aging, Friction, Output
 from asperity.base import checks
 from asperity.base.parameters import Quantity, parameters_of
 from asperity.errors import InputError
@@ -101,6 +101,14 @@ class Predict(Question):
 
     sections = ("contact", "aging", "friction")
     elsewhere = _ELSEWHERE
+    unused: ClassVar[Mapping[str, Iterable[str]]] = {
+        "friction": Friction.keys.keys() - {"shear_strength"},
+        "output": ("maps_at",),
+    }
+    refused: ClassVar[Mapping[tuple[str, str], str]] = {
+        ("contact", "separation"): "a load, which a band covers",
+        ("aging", "hold"): "a load, which a band covers",
+    }
 
     material: Material | Solid | Measured | PronySeries | str | Path
     surface: str | Path | Surface
@@ -127,7 +135,8 @@ class Predict(Question):
     resolution_study: Annotated[
         bool,
         Quantity(
-            "predict also without the shortest waves of the scan, to see what a finer scan would change."
+            "predict also without the shortest waves of the scan, to see what a finer scan would change.",
+            swept=False,
         ),
     ] = False
     rtol: float = Aging.keys["rtol"].default  # type: ignore[assignment]

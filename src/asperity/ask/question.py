@@ -5,12 +5,12 @@ from __future__ import annotations
 import functools
 import inspect
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, ClassVar, ParamSpec, TypeVar
 
 import numpy as np
 
-from asperity.ask.section import KINDS, Keys
+from asperity.ask.section import KINDS, Keys, Section
 from asperity.base.checks import Floats
 from asperity.base.parameters import parameters_of
 
@@ -60,11 +60,20 @@ class Question:
         Sections in which a file has its own keys, by key.
     elsewhere
         What to write in place of arguments that users expect and that it has not, by argument.
+    unused
+        Keys of the file of a run that it does not use, by section.
+    refused
+        What it expects in place of keys of that file that contradict it, by section and key.
+    pressed
+        Whether it needs a load.
     """
 
     sections: ClassVar[tuple[str, ...]] = ()
     placed: ClassVar[Mapping[str, str]] = {}
     elsewhere: ClassVar[Mapping[str, str]] = {}
+    unused: ClassVar[Mapping[str, Iterable[str]]] = {}
+    refused: ClassVar[Mapping[tuple[str, str], str]] = {}
+    pressed: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         for name, key in self.keys().items():
@@ -74,6 +83,13 @@ class Question:
     def own(cls) -> Keys:
         """Keys that no section has."""
         return {name: one.as_key for name, one in parameters_of(cls).items()}
+
+    @classmethod
+    def section(cls, name: str) -> type[OwnKeys]:
+        """The section of a file that has its own keys."""
+        keys = {key: one for key, one in cls.own().items() if key not in cls.placed}
+        facts = {"section": name, "keys": keys, "question": cls, "__module__": cls.__module__}
+        return type(cls.__name__, (OwnKeys,), facts)
 
     @classmethod
     @functools.cache
@@ -87,3 +103,9 @@ class Question:
             if name in fields
         }
         return shared | cls.own()
+
+
+class OwnKeys(Section):
+    """The section of a file that makes it that of a question, with keys that no other section has."""
+
+    question: ClassVar[type[Question]]

@@ -7,7 +7,7 @@ solid. The flags of the command line are made of these models.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Annotated, Any, Literal, cast
@@ -16,6 +16,7 @@ from annotated_types import Ge, Gt, Le, Len
 
 from asperity.ask.carried import Carried as CarriedQuantities
 from asperity.ask.legs import read_legs
+from asperity.ask.question import OwnKeys
 from asperity.ask.section import KINDS, Section, SectionError, arguments_of, keys_of_maker, unknown_key
 from asperity.ask.solid import SOLIDS, SolidSection
 from asperity.ask.strength import ShearStrength
@@ -182,7 +183,7 @@ ORDER = list(KINDS)
 
 @dataclass(frozen=True)
 class RunConfig:
-    """What can be asked of `asperity run`: sections, and the legs of a history."""
+    """What a file asks: sections, the legs of a history, and the keys of a question other than a run."""
 
     surface: SurfaceSection = field(default_factory=SURFACES["gaussian"])
     solid: SolidSection = field(default_factory=SOLIDS["spring_lattice"])
@@ -192,6 +193,7 @@ class RunConfig:
     friction: Friction = field(default_factory=Friction)
     carried: Carried = field(default_factory=Carried)
     output: Output = field(default_factory=Output)
+    own: OwnKeys | None = None
 
     @classmethod
     def read(cls, tables: Mapping[str, Any]) -> RunConfig:
@@ -210,7 +212,8 @@ class RunConfig:
         start = start_of(parts.get("protocol"))
         if start and not getattr(parts.get("contact"), "table", None):
             parts["contact"] = Contact(**start)
-        config = cls(**parts)
+        asked = [parts.pop(name) for name in KINDS.keys() & parts.keys() if name not in ORDER]
+        config = cls(**parts, own=asked[0] if asked else None)
         try:
             config.check()
         except InputError as error:
@@ -222,9 +225,49 @@ class RunConfig:
         return replace(self, **changes)
 
     @property
+    def asked(self) -> str:
+        """The section of the question; empty for a run."""
+        return self.own.section if self.own else ""
+
+    @property
+    def unused(self) -> Mapping[str, Iterable[str]]:
+        """Keys that the question does not use, by section."""
+        return self.own.question.unused if self.own else {"solid": ("draws",)}
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """A remark on keys that were given and are not used, if there are any."""
+        idle = [
+            f"[{section}] {key}"
+            for section, keys in self.unused.items()
+            for part in [getattr(self, section)]
+            for key, value in vars(part).items()
+            if key in keys and key in part.stated and value is not None
+        ]
+        return (f"the {self.asked or 'run'} does not use {', '.join(idle)}",) if idle else ()
+
+    @property
+    def used(self) -> RunConfig:
+        """The same with the defaults of keys that the question does not use, and files found from anywhere.
+
+        The branches of a table take its place, unless its spread is used.
+        """
+        solid = self.solid.resolved() if "solid" in self.unused else self.solid.anywhere()
+        parts: dict[str, Any] = {"solid": solid, "surface": self.surface.anywhere()}
+        for name, keys in self.unused.items():
+            part = parts.get(name, getattr(self, name))
+            parts[name] = part.but(**{key: part.keys[key].default for key in keys if key in part.keys})
+        return self.but(**parts)
+
+    @property
+    def parts(self) -> dict[str, Section]:
+        """Its sections, with that of the question."""
+        return {name: getattr(self, name) for name in ORDER} | ({self.asked: self.own} if self.own else {})
+
+    @property
     def tables(self) -> dict[str, Any]:
         """Tables of its sections, without what is None."""
-        tables = {name: getattr(self, name).table for name in ORDER}
+        tables = {name: part.table for name, part in self.parts.items()}
         legs = {"protocol": [described(leg) for leg in self.protocol]} if self.protocol else {}
         return tables | legs
 
@@ -239,6 +282,7 @@ class RunConfig:
             expected = "a protocol that begins with a ramp beside 0, such as 'ramp 1 load=...'"
             raise self.contact.wrong("load", expected=expected, got="none")
         self._check_known()
+        self._check_refused()
         for home, key in ((self.aging, "times"), (self.output, "maps_at")):
             late = max(getattr(home, key) or [], default=-math.inf)
             if late > self.end * (1 + 1e-9):
@@ -276,6 +320,18 @@ class RunConfig:
             advice: Words = (Name("branches"),) if cure and not of_data else ""
             got = "{:g} to {:g} s".format(*known)
             raise self.solid.wrong(key, expected=expected, got=got, cure=cure, advice=advice)
+
+    def _check_refused(self) -> None:
+        """Refuse keys that contradict the question."""
+        for (section, key), expected in self.own.question.refused.items() if self.own else ():
+            part = getattr(self, section)
+            value = getattr(part, key) if key else [described(leg)["kind"] for leg in part]
+            if value not in (None, [], "load"):
+                path = (section, key) if key else (section,)
+                advice = "asperity run, which takes the same file"
+                raise InputError(path[-1], expected=expected, got=shown(value), advice=advice, path=path)
+        if self.own and self.own.question.pressed and not any(self.contact.table.values()):
+            raise self.contact.wrong("pressure", expected="a pressure or a load", got="neither")
 
     def _check_loads(self) -> None:
         """Refuse loads that pull at a solid without adhesion."""
@@ -355,7 +411,7 @@ def _outside(name: str, content: object, *, advised: bool) -> InputError:
     if name in KINDS:
         return InputError(name, expected=f"a section [{name}]", got=shown(content), path=(name,))
     if isinstance(content, dict):
-        return unknown_key(name, ORDER if advised else (), (name,), said="no such section")
+        return unknown_key(name, KINDS if advised else (), (name,), said="no such section")
     homes = (one for one, kinds in KINDS.items() for each in kinds.values() if name in each.keys)
     home = next(homes, "")
     below = f"; it belongs below [{home}]" if home else ""

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from annotated_types import Ge, Gt, Le
 from numpy.typing import ArrayLike
 
 from asperity.ask.question import Question, in_decades
+from asperity.ask.run import Aging
+from asperity.ask.run import Carried as CarriedSection
 from asperity.ask.strength import ShearStrength
 from asperity.base import checks
 from asperity.base.parameters import Quantity
@@ -85,7 +87,16 @@ class SteadySliding(Question):
     G. Carbone, C. Putignano, J. Mech. Phys. Solids 61, 1822 (2013), DOI 10.1016/j.jmps.2013.03.005.
     """
 
-    sections = ("contact",)
+    sections, pressed = ("contact",), True
+    unused: ClassVar[Mapping[str, Iterable[str]]] = {
+        "aging": Aging.keys,
+        "carried": CarriedSection.keys,
+        "output": ("maps_at", "measured", "pixel", "blur", "threshold"),
+    }
+    refused: ClassVar[Mapping[tuple[str, str], str]] = {
+        ("protocol", ""): "none for steady sliding, which is at a speed for ever",
+        ("contact", "separation"): "a load or a pressure, under which the profile slides",
+    }
 
     solid: Material | Solid | Measured | PronySeries | str | Path
     surface: str | Path | ArrayLike
@@ -95,11 +106,14 @@ class SteadySliding(Question):
         Quantity(
             "sliding speeds: the two ends of a range, such as 1um/s 10m/s, or one speed, or three or more.",
             "m/s",
+            swept=False,
         ),
     ]
     load: float | str | None = None
     pressure: float | str | None = None
-    per_decade: Annotated[int, *(Ge(1), Le(1000)), Quantity("speeds in each decade of a range")] = 4
+    per_decade: Annotated[
+        int, *(Ge(1), Le(1000)), Quantity("speeds in each decade of a range", swept=False)
+    ] = 4
     direction: Annotated[
         Literal["x", "-x", "y", "-y"] | str | tuple[int, ...],
         Quantity("where the rough surface goes: x along the rows"),
@@ -107,10 +121,13 @@ class SteadySliding(Question):
     shear_strength: ShearStrength | float | str | None = None
     beyond_table: Annotated[
         bool,
-        Quantity("slide also at speeds whose frequencies the table lacks; the fitted branches continue."),
+        Quantity(
+            "slide also at speeds whose frequencies the table lacks; the fitted branches continue.",
+            swept=False,
+        ),
     ] = False
     fields_at: Annotated[
-        Sequence[_Speed] | None, Quantity("speeds at which the map of pressure is kept", "m/s")
+        Sequence[_Speed] | None, Quantity("speeds at which the map of pressure is kept", "m/s", swept=False)
     ] = None
     progress: Progress | Callable[[Any], None] | bool | None = None
 

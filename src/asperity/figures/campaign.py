@@ -1,4 +1,4 @@
-"""A campaign: growth of the contact area for the values of the swept parameters, with its scatter."""
+"""A campaign: curves of its answers for the values of the swept parameters, with their scatter."""
 
 from __future__ import annotations
 
@@ -16,6 +16,13 @@ from asperity.errors import InputError
 from asperity.figures import style
 from asperity.lattice import Field
 
+_DRAWN = {
+    "time": ("contact_fraction", "Growth of the real contact"),
+    "speed": ("hysteresis_friction_coefficient", "Friction"),
+    "pressure": ("stiffness", "Stiffness"),
+}
+"""What is drawn over the last dimension of an answer, and the title."""
+
 _MOST_PANELS, _MOST_CURVES = 6, 7
 _MARKERS = "osD^vP*"
 _WIDE = 20.0
@@ -26,9 +33,11 @@ Where = Mapping[str, int]
 
 @style.drawn
 def campaign_figure(dataset: xr.Dataset) -> style.Drawing:
-    """Draw the contact against time at each point of a campaign: means over the seeds, and standard errors.
+    """Draw the answers at each point of a campaign: means over the seeds, and standard errors.
 
-    The parameter with most values tells the curves of a panel apart; each point of the others has a panel.
+    Of histories and predictions the contact against time, of steady sliding the friction against speed, of
+    laws the stiffness against pressure under loading. The parameter with most values tells the curves of a
+    panel apart; each point of the others has a panel.
 
     Parameters
     ----------
@@ -46,12 +55,17 @@ def campaign_figure(dataset: xr.Dataset) -> style.Drawing:
         It is no such dataset, or holds no time above 0.
     """
     checks.instance("dataset", dataset, xr.Dataset, "asperity.campaign.open(directory)")
-    name = "contact_fraction_mean" if "contact_fraction_mean" in dataset else "contact_fraction"
-    if name not in dataset or dataset["time"].ndim == 0 or not float(dataset["time"].max()) > 0:
+    over = str(dataset.attrs.get("over", "time")).split()[-1]
+    dataset = dataset.isel(direction=0) if over == "pressure" else dataset
+    place = "time" if over == "entry" else over
+    quantity, title = _DRAWN.get(place, ("", ""))
+    name = f"{quantity}_mean" if f"{quantity}_mean" in dataset else quantity
+    if name not in dataset or dataset[place].ndim == 0 or not float(dataset[place].max()) > 0:
         expected = "the dataset of a campaign, with times above 0"
         raise InputError("dataset", expected=expected, got="another", advice="asperity.campaign.open(folder)")
-    mean = 100 * dataset[name].transpose(..., dataset["time"].dims[-1])
-    spread = 100 * dataset["contact_fraction_stderr"] if name.endswith("mean") else 0 * mean
+    factor = 100 if quantity == "contact_fraction" else 1
+    mean = factor * dataset[name].transpose(..., over)
+    spread = factor * dataset[f"{quantity}_stderr"] if name.endswith("mean") else 0 * mean
     swept = sorted(map(str, mean.dims[:-1]), key=lambda dim: dataset.sizes[dim])
     along, others = (swept[-1:], swept[:-1])
     panels, curves = _points(dataset, others, _MOST_PANELS), _points(dataset, along, _MOST_CURVES)
@@ -63,7 +77,7 @@ def campaign_figure(dataset: xr.Dataset) -> style.Drawing:
     logarithmic = float(drawn.max()) > _WIDE * float(drawn.min())
     for axes, panel in zip(grid.flat, panels, strict=False):
         for number, curve in enumerate(curves):
-            time, middle, half = _curve(dataset, mean, spread, {**panel, **curve})
+            time, middle, half = _curve(dataset[place], mean, spread, {**panel, **curve})
             color = colormaps["cividis"](0.85 * number / max(len(curves) - 1, 1))
             style.band(axes, time, middle - half, middle + half, color, "")
             look: dict[str, Any] = {"linewidth": 1.3, "markersize": 3.5, "color": color}
@@ -78,12 +92,16 @@ def campaign_figure(dataset: xr.Dataset) -> style.Drawing:
     for axes in grid.flat[len(panels) :]:
         axes.set_axis_off()
     style.legend_below(figure, grid[0, 0], 1 + columns)
-    along_time = f"{'time' if 'leg' in dataset.coords else 'hold time'} $t$"
+    label = f"{dataset[place].attrs['long_name']}  [{dataset[place].attrs['units']}]"
+    if place == "time":
+        label = style.over_time(dataset, f"{'time' if 'leg' in dataset.coords else 'hold time'} $t$")
     for axes in grid.flat[max(len(panels) - columns, 0) : len(panels)]:
-        axes.set_xlabel(style.over_time(dataset, along_time))
+        axes.set_xlabel(label)
         axes.tick_params(labelbottom=True)
-    figure.supylabel("real contact [% of nominal area]")
-    style.entitle(figure, "", _title(dataset, others, along))
+    attrs = dataset[quantity].attrs
+    of_others = style.with_unit(attrs["long_name"], attrs["units"])
+    figure.supylabel("real contact [% of nominal area]" if factor > 1 else of_others)
+    style.entitle(figure, "", _title(title, dataset, others, along))
     return figure
 
 
@@ -95,12 +113,12 @@ def _points(dataset: xr.Dataset, dims: list[str], most: int) -> list[Where]:
 
 
 def _curve(
-    dataset: xr.Dataset, mean: xr.DataArray, spread: xr.DataArray, where: Where
+    places: xr.DataArray, mean: xr.DataArray, spread: xr.DataArray, where: Where
 ) -> tuple[Field, Field, Field]:
-    """Times of a curve, its values, and half the width of its band; what is not finished is left out."""
-    time = dataset["time"].isel(where, missing_dims="ignore").values
+    """Places of a curve, its values, and half the width of its band; what is not finished is left out."""
+    time = places.isel(where, missing_dims="ignore").values
     middle, half = mean.isel(where).values, spread.isel(where).values
-    shown = np.isfinite(middle) & (time > 0 if "leg" not in dataset.coords else np.isfinite(time))
+    shown = np.isfinite(middle) & (time > 0 if "leg" not in places.coords else np.isfinite(time))
     return time[shown], middle[shown], np.nan_to_num(half[shown])
 
 
@@ -116,10 +134,10 @@ def _said(dataset: xr.Dataset, where: Where) -> str:
     return style.verbatim(", ".join(texts))
 
 
-def _title(dataset: xr.Dataset, others: list[str], along: list[str]) -> list[str]:
+def _title(title: str, dataset: xr.Dataset, others: list[str], along: list[str]) -> list[str]:
     """What is drawn, and how much of it."""
-    parts = ["Growth of the real contact"]
-    if "contact_fraction_stderr" in dataset:
+    parts = [title]
+    if "seed" in dataset.dims:
         seeds = dataset.sizes["seed"]
         parts.append(f"mean of {seeds} seeds ± standard error" if seeds > 1 else "one seed")
     for dims, most, plural in ((others, _MOST_PANELS, "panels"), (along, _MOST_CURVES, "curves a panel")):

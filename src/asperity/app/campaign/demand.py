@@ -9,13 +9,16 @@ from pathlib import Path
 
 from asperity.aging.memory import bytes_a_site
 from asperity.app.campaign.plan import Plan
-from asperity.app.campaign.store import QUANTITIES, Store
+from asperity.app.campaign.store import Store
 from asperity.app.config import RunConfig
 from asperity.app.runs import recorded_times
 from asperity.base import checks
 from asperity.patches import QUANTILES
 from asperity.results.quantities import select
 from asperity.solids import Solid
+
+_QUANTITIES = 20
+"""About how many numbers an entry of an answer has."""
 
 _BLOCK = 4096
 """Bytes that files and folders are rounded up to on disk."""
@@ -74,12 +77,12 @@ def estimate(plan: Plan, directory: str | Path) -> Estimate:
 
 def _space(config: RunConfig, solid: Solid, shape: Sequence[int]) -> int:
     """Bytes of a run on disk. Numbers hardly compress, but for what is true or false."""
-    times, maps, sites = 1 + len(recorded_times(config)), len(config.output.maps_at or ()), math.prod(shape)
-    arrays = [8 * len(QUANTITIES) * times]
+    maps, sites = len(config.output.maps_at or ()), math.prod(shape)
+    arrays = [8 * _QUANTITIES * (1 + len(recorded_times(config)))]
     if maps:
         fields = 2 + max(1, len(solid.branches))
-        of_maps = 8 * maps * (len(select("map")) + 2 * (len(QUANTILES) - 1))
-        arrays += [of_maps, 8 * maps, 8 * sites, 8 * sites, sites // 8]
+        arrays += [8 * maps * len(select("map")), 16 * maps * len(QUANTILES), 8 * maps]
+        arrays += [8 * sites, 8 * sites, sites // 8]
         arrays += [8 * sites * maps] * fields + [sites * maps // 8]
     # An array is a description, and a file some folders deep.
     return _BLOCK * (2 + sum(5 + math.ceil(size / _BLOCK) for size in arrays))

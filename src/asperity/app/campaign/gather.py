@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -12,8 +13,8 @@ import pandas as pd
 import xarray as xr
 
 import asperity.results.parameters as parameters
-from asperity.app.campaign.plan import Plan, Run, load_plan, put, value_at
-from asperity.app.campaign.store import FITTED, QUANTITIES, Finished, Store
+from asperity.app.campaign.plan import Plan, load_plan, put, value_at
+from asperity.app.campaign.store import Store
 from asperity.app.config import to_tables
 from asperity.base import checks
 from asperity.base.version import __version__
@@ -23,25 +24,16 @@ from asperity.lattice import Field
 from asperity.protocols.legs import in_words
 from asperity.results.quantities import CAMPAIGN, Units, select, units_named
 
-_NO_ENSEMBLE = (
-    *(name for name, one in select("series").items() if CAMPAIGN not in one.tables),
-    *("worst_residual", "relaxed_residual", "sites", "held", "seconds"),
-    *(f"fit_{name}_uncertainty" for name in FITTED),
+_NO_ENSEMBLE = re.compile(
+    "|".join(
+        [
+            *(name for name, one in select("series").items() if CAMPAIGN not in one.tables),
+            *("worst_residual", "relaxed_residual", "sites", "held", "seconds", "products"),
+            *("fit_.*_uncertainty", ".*_low", ".*_high"),
+        ]
+    )
 )
-"""Numbers about the computation, of which no ensemble is taken."""
-
-_SCALARS = {
-    "sites": ("sites of the lattice", "sites"),
-    "held": ("load or separation that is held at first", ""),
-    "seconds": ("time of computing", "s"),
-    "worst_residual": ("largest residual of all entries", "1"),
-    "fit_a": ("a of the saturation law", "1"),
-    "fit_q": ("q of the saturation law", "1"),
-    "fit_t0": ("t0 of the saturation law", "time"),
-    "fit_C": ("(a - 1) q of the saturation law", "1"),
-    "fit_misfit": ("rms misfit of the saturation law", "1"),
-}
-"""Long name and dimension of the single numbers of a run."""
+"""Numbers about the computation, and ends of bands, of which no ensemble is taken."""
 
 _WHICH = {"initial": "first", "final": "last"}
 _WHEN = {"initial": "at time 0", "final": "at the last time", "relaxed": "relaxed"}
@@ -74,60 +66,29 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
     InputError
         The folder holds no campaign, or no finished run.
     """
-    plan = load_plan(directory)
-    store = Store(directory)
+    plan, store = load_plan(directory), Store(directory)
     runs, done = plan.distinct, store.done()
     store.remark_on_remains(set(runs))
-    finished = {name: store.read(run) for name, run in runs.items() if name in done}
-    if not finished:
+    found = {name: store.read(run) for name, run in runs.items() if name in done}
+    if not found:
         raise InputError("campaign", expected="finished runs", got=f"{directory} with none yet")
-    dims, described = tuple(plan.dimensions), _described(finished.values())
-    entries = max(run.series.shape[1] for run in finished.values())
-    padded = {
-        name: np.pad(run.series, ((0, 0), (0, entries - run.series.shape[1])), constant_values=np.nan)
-        for name, run in finished.items()
-    }
-    series = dict(zip(QUANTITIES, _at_places(plan, padded), strict=True))
-    names = sorted({name for run in finished.values() for name in run.scalars})
-    numbers = {
-        key: np.array([run.scalars.get(name, np.nan) for name in names]) for key, run in finished.items()
-    }
-    scalars = _at_places(plan, numbers)
-    zipped = {axis.name: ("point", list(axis.values)) for axis in plan.axes if plan.zipped}
-    coordinates = zipped | {name: list(values) for name, values in plan.dimensions.items()}
-    along, times = _times(plan, finished, series)
-    dataset = xr.Dataset(coords=coordinates | times)
-    for name, values in series.items():
-        if name in described and name not in ("time", "leg"):
-            # A swept load is a coordinate; the load as it developed needs another name then.
-            free = f"{name}_history" if name in coordinates else name
-            long_name, unit = described[name]
-            dataset[free] = ((*dims, along), values, {"long_name": long_name, "units": unit})
-    dataset = dataset.assign(_of_maps(plan, finished))
-    units = units_named({name: unit for name, (_, unit) in described.items()})
-    for name, values in zip(names, scalars, strict=True):
-        when, _, of_what = name.partition("_")
-        long_name, unit = _SCALARS.get(name.removesuffix("_uncertainty"), (name.replace("_", " "), "1"))
-        if when in _WHEN and of_what in described:
-            long_name, unit = f"{described[of_what][0]}, {_WHEN[when]}", described[of_what][1]
-        elif name == "held":
-            unit = " or ".join(
-                sorted({units["length" if _at_separation(run) else "force"] for run in plan.runs})
-            )
-        if name.endswith("_uncertainty"):
-            long_name = f"{long_name}, standard error of the fit"
-        dataset[name] = (dims, values, {"long_name": long_name, "units": units.get(unit, unit)})
+    dataset, over = _placed(plan, found)
+    described = _described(found.values())
+    units = units_named({name: attrs["units"] for name, attrs in described.items()})
     coordinate = {name: (one.long_name, one.dimension) for name, one in select("coordinate").items()}
+    known = {name: (attrs["long_name"], attrs["units"]) for name, attrs in described.items()}
     for name in map(str, dataset.coords):
-        long_name, unit = parameters.of_parameter(name) or (coordinate | described).get(name, ("", ""))
+        long_name, unit = parameters.of_parameter(name) or (coordinate | known).get(name, ("", ""))
         dataset[name].attrs.update(long_name=long_name, units=units.get(unit, unit))
-    if "seed" in dims:
+    if plan.seeds:
         dataset = _with_ensemble(dataset)
+    title = "Aging of rough contacts" if "initial_area" in dataset else next(iter(found.values())).title
     return dataset.assign_attrs(
-        title="Aging of rough contacts: a campaign",
+        title=f"{title}: a campaign",
         asperity_version=__version__,
         runs=len(runs),
-        finished=len(finished),
+        finished=len(found),
+        over=" ".join(over),
         **_in_common(plan, units),
     )
 
@@ -172,6 +133,8 @@ def fields(directory: str | Path, **where: float | int | str) -> xr.Dataset:
 def table(dataset: xr.Dataset) -> pd.DataFrame:
     """One row a run: its coordinates and its numbers, from the dataset of `open`.
 
+    Of other questions the rows of each answer: the coordinates, such as the speed, and its columns.
+
     Parameters
     ----------
     dataset
@@ -183,11 +146,12 @@ def table(dataset: xr.Dataset) -> pd.DataFrame:
         Runs that are not finished are left out.
     """
     checks.instance("dataset", dataset, xr.Dataset, "asperity.campaign.open(directory)")
+    whole = {*dataset["seconds"].dims}
+    whole |= set() if "initial_area" in dataset else {*dataset.attrs["over"].split()}
     dataset = with_ends(dataset)
-    whole = set(dataset.dims) - {"time", "entry", "field_time", "quantile"}
-    numbers = [str(name) for name in dataset.data_vars if set(dataset[name].dims) == whole]
+    numbers = [str(name) for name in dataset.data_vars if {*dataset[name].dims} == whole]
     if whole:
-        rows = dataset[numbers].to_dataframe().dropna(how="all", subset=["initial_area"]).reset_index()
+        rows = dataset[numbers].to_dataframe().dropna(how="all").reset_index()
     else:
         rows = pd.DataFrame([{name: float(dataset[name]) for name in numbers}])
     counts = {f"{when}_{name}" for when in _WHEN for name, one in select().items() if one.whole} | {"sites"}
@@ -196,7 +160,9 @@ def table(dataset: xr.Dataset) -> pd.DataFrame:
 
 def with_ends(dataset: xr.Dataset) -> xr.Dataset:
     """Add the first and the last value of each series of a run, by names such as ``final_approach``."""
-    over_time = str(dataset["time"].dims[-1])
+    if "initial_area" not in dataset:  # it has no history
+        return dataset
+    over_time = dataset.attrs["over"].split()[-1]
     series = {name: str(dataset[name].attrs["long_name"]) for name in map(str, dataset.data_vars)}
     ends: dict[str, xr.DataArray] = {}
     for name, long_name in series.items():
@@ -218,64 +184,60 @@ def with_ends(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.assign(ends)
 
 
-def _at_places(plan: Plan, numbers: Mapping[str, Field]) -> Field:
-    """Numbers of each run: their first axis, then the dimensions; NaN where it is not finished."""
-    first, *rest = next(iter(numbers.values())).shape
-    values = np.full((first, *map(len, plan.dimensions.values()), *rest), np.nan)
+def _placed(plan: Plan, found: Mapping[str, xr.Dataset]) -> tuple[xr.Dataset, list[str]]:
+    """Variables of the runs over the dimensions and their own; and the dimensions of the answer."""
+    first = max(found.values(), key=lambda one: one.sizes.get("direction", 0))  # a law may lack the unloading
+    zipped = {axis.name: ("point", list(axis.values)) for axis in plan.axes if plan.zipped}
+    dataset = xr.Dataset(coords=zipped | {name: list(values) for name, values in plan.dimensions.items()})
+    own = {
+        dim
+        for dim in first.dims
+        if dim != "direction"
+        and not all(dim in one.dims and np.array_equal(one[dim], first[dim]) for one in found.values())
+    }
+    over: list[str] = ["entry" if dim in own else dim for dim in first.attrs["over"]]
+    for name, attrs in _described(found.values()).items():
+        of_run = next(one.variables[name] for one in found.values() if name in one.variables)
+        if not {*of_run.dims} <= {*first.dims} or {*of_run.dims} & own - {*first.attrs["over"]}:
+            continue  # what maps at times of their own know of patches
+        if name in first.coords and not {*of_run.dims} & own:
+            dataset = dataset.assign_coords({name: first.variables[name]})
+            continue
+        values = _at_places(plan, found, name)
+        along = [*plan.dimensions, *("entry" if dim in own else dim for dim in of_run.dims)]
+        if name in first.coords:  # the seeds of a point share its times
+            values = np.nanmax(values, axis=-2, initial=-1.0) if plan.seeds else values
+            values = np.where(values < 0, np.nan, values)
+            dataset = dataset.assign_coords({name: ([dim for dim in along if dim != "seed"], values)})
+        else:
+            # A swept load is a coordinate; the load as it developed needs another name then.
+            dataset[f"{name}_history" if name in dataset.coords else name] = along, values, attrs
+    entries = {"entry": np.arange(dataset.sizes["entry"])} if "entry" in dataset.dims else {}
+    return dataset.assign_coords(entries), over
+
+
+def _at_places(plan: Plan, found: Mapping[str, xr.Dataset], name: str) -> Field:
+    """A variable of each run along the dimensions, then its own; NaN where there is none."""
+    variables = {key: one.variables[name] for key, one in found.items() if name in one.variables}
+    shape = np.max([one.shape for one in variables.values()], axis=0).astype(int)
+    values = np.full((*map(len, plan.dimensions.values()), *shape), np.nan)
     for run in plan.runs:
-        if run.identity in numbers:
-            place: tuple[Any, ...] = (slice(None), *plan.place(run))
-            values[place] = numbers[run.identity]
+        if (one := variables.get(run.identity)) is not None:
+            place: tuple[Any, ...] = (*plan.place(run), *map(slice, one.shape))
+            values[place] = one.values
     return values
 
 
-def _times(
-    plan: Plan, finished: Mapping[str, Finished], series: Mapping[str, Field]
-) -> tuple[str, dict[str, object]]:
-    """Dimension of the series: times, if all runs share them; else entries, with times of each point."""
-    protocol = bool(plan.runs[0].config.protocol)
-    first, *others = finished.values()
-    if all(np.array_equal(one.series[0], first.series[0]) for one in others):
-        legs = {"leg": ("time", first.series[-1].astype(int))} if protocol else {}
-        return "time", {"time": first.series[0], **legs}
-    dims, kept = tuple(plan.dimensions), {}
-    for name in ("time", "leg"):
-        values = series[name]
-        if plan.seeds:  # the seeds of a point share its times
-            values = np.nanmax(values, axis=-2, initial=-1.0)
-            values = np.where(values < 0, np.nan, values)
-        kept[name] = ((*(dim for dim in dims if dim != "seed"), "entry"), values)
-    return "entry", {**kept, "entry": np.arange(series["time"].shape[-1])}
-
-
-def _of_maps(plan: Plan, finished: Mapping[str, Finished]) -> xr.Dataset:
-    """Patches of the maps over the runs; empty unless all stored maps at the same times."""
-    maps = {name: run.maps for name, run in finished.items() if run.maps is not None}
-    if len(maps) < len(finished):
-        return xr.Dataset()
-    first, *others = maps.values()
-    if any(list(one) != list(first) or not one.field_time.equals(first.field_time) for one in others):
-        return xr.Dataset()
-    gathered = xr.Dataset(coords=first.coords)
-    for name, one in first.data_vars.items():
-        (values,) = _at_places(plan, {run: fields[name].values[np.newaxis] for run, fields in maps.items()})
-        gathered[name] = ((*plan.dimensions, *one.dims), values, one.attrs)
-    return gathered
-
-
-def _described(runs: Iterable[Finished]) -> dict[str, tuple[str, str]]:
-    described: dict[str, tuple[str, str]] = {}
-    for run in runs:
-        for name, (long_name, unit) in run.described.items():
-            unit_before = described.setdefault(name, (long_name, unit))[1]
-            if unit_before != unit:
-                described[name] = (long_name, f"{unit_before} or {unit}, as the run")
+def _described(found: Iterable[xr.Dataset]) -> dict[str, dict[str, str]]:
+    """Long name and unit of each variable, in one order for all runs."""
+    described: dict[str, dict[str, str]] = {}
+    for one in found:
+        for name, variable in one.variables.items():
+            attrs = {"long_name": "", "units": "", **variable.attrs}
+            before, unit = described.setdefault(str(name), attrs)["units"], attrs["units"]
+            if unit not in before:
+                described[str(name)] = attrs | {"units": f"{before} or {unit}, as the run"}
     return described
-
-
-def _at_separation(run: Run) -> bool:
-    hold = run.config.aging.hold
-    return run.config.contact.separation is not None if hold is None else hold == "separation"
 
 
 def _in_common(plan: Plan, units: Units) -> dict[str, Any]:
@@ -315,8 +277,8 @@ def _in_common(plan: Plan, units: Units) -> dict[str, Any]:
 
 def _with_ensemble(dataset: xr.Dataset) -> xr.Dataset:
     """Mean over the seeds, its standard error, and how many seeds are finished."""
-    finished = dataset["initial_area"].count("seed")
-    names = [str(name) for name in dataset.data_vars if str(name) not in _NO_ENSEMBLE]
+    finished = dataset["seconds"].count("seed")
+    names = [str(name) for name in dataset.data_vars if not _NO_ENSEMBLE.fullmatch(str(name))]
     for name in names:
         values = dataset[name]
         count = values.count("seed")

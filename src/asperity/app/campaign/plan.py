@@ -1,6 +1,6 @@
 """The plan of a campaign: a run configuration with lists in it, spread out into single runs.
 
-The file is that of ``asperity run`` with one more section::
+The file is that of ``asperity run``, or of another question, with one more section::
 
     [sweep]
     load = [200.0, 800.0]     # any key of [surface], [solid], [contact], or [aging] hold and rtol
@@ -26,16 +26,24 @@ from typing import Any
 
 from asperity.app.config import RunConfig, config_from, from_tables, read_tables, to_tables
 from asperity.app.config.mistakes import Sections
-from asperity.ask.run import ORDER
+from asperity.app.config.reading import question_of
+from asperity.ask.question import Question
+from asperity.ask.questions import QUESTIONS
+from asperity.ask.run import FILES, ORDER
 from asperity.ask.section import KINDS
+from asperity.base.calls import remark
 from asperity.base.files import expanded
+from asperity.base.readable import written
 from asperity.base.version import __version__
 from asperity.base.words import reason_of, written_with_units
 from asperity.errors import SHOWN_PROBLEMS, ConfigError, InputError
 from asperity.results.parameters import IN_A_LEG
 
 Value = float | int | str
-_STORE_FORMAT = 3
+_FILES = {section: FILES[section] for section in ("surface", "solid")}
+"""Keys of the files on which numbers depend, by section."""
+
+_STORE_FORMAT = 4
 
 MOST_RUNS = 100_000
 """Runs of one campaign: each is a folder of files, and its plan is held in memory whole."""
@@ -54,7 +62,7 @@ class Axis:
 class Run:
     """One run: a hash of its inputs, its place along the axes, its seed, its configuration.
 
-    The content is the checksum (SHA-256) of its surface file; empty for surfaces that are made.
+    The content is the checksum (SHA-256) of the files that it reads; empty where there are none.
     """
 
     identity: str
@@ -144,7 +152,9 @@ def read_plan(path: str | Path) -> Plan:
         problems.append(f"[sweep] combine: expected 'grid' or 'zip', got {combine!r}")
     seeds = _seeds(swept.pop("seeds", None), surface.get("seed", 0), kind, problems)
     kinds = {"surface": kind, "solid": solid.get("kind", "spring_lattice")}
-    lists = dict(_lists(swept, kinds, problems))
+    question = question_of(tables)
+    unused = QUESTIONS.get(question, Question).unused
+    lists = dict(_lists(swept, kinds, question, problems))
     lengths = {name: len(values) for (_, name), values in lists.items()}
     if combine == "zip" and len(set(lengths.values())) > 1:
         got = ", ".join(f"{name} {length}" for name, length in lengths.items())
@@ -156,7 +166,8 @@ def read_plan(path: str | Path) -> Plan:
         )
     output = tables.setdefault("output", {})
     if isinstance(output, dict):
-        output.setdefault("maps_at", [])
+        if "output" not in unused:
+            output.setdefault("maps_at", [])
         if "measured" in output:
             problems.append("[output] measured: expected none in a campaign, whose runs are many curves")
     if problems:
@@ -167,7 +178,8 @@ def read_plan(path: str | Path) -> Plan:
             problems += error.problems
         raise ConfigError(problems)
     runs = _runs(tables, lists, seeds, path, zipped=combine == "zip")
-    if len({tuple(run.config.aging.times or run.config.span) for run in runs}) > 1:
+    spans = {tuple(run.config.aging.times or run.config.span) for run in runs}
+    if len(spans) > 1 and "aging" not in unused:
         advice = "first and last in [aging]"
         raise ConfigError([f"{path}: [aging]: expected the same times for all runs; try {advice}"])
     axes = tuple(
@@ -219,25 +231,29 @@ def load_plan(directory: str | Path) -> Plan:
         ) from error
 
 
-def name_of(plan: Plan, *runs: Run) -> str:
-    """Name runs by the swept values that they share: ``load = 4.0, seed = 2``."""
+def name_of(plan: Plan, *runs: Run, units: Mapping[str, str] | None = None) -> str:
+    """Name runs by the swept values that they share: ``load = 4, seed = 2``."""
     several = {name for name, values in plan.swept.items() if len(values) > 1}
     first, *others = (plan.labels(run) for run in runs)
-    alike = {name: value for name, value in first.items() if all(labels[name] == value for labels in others)}
-    shared = [f"{name} = {value}" for name, value in alike.items() if name in several]
+    shared = [
+        f"{name} = {value if isinstance(value, str) else written(value, (units or {}).get(name) or '1')}"
+        for name, value in first.items()
+        if name in several and all(labels[name] == value for labels in others)
+    ]
     return ", ".join(shared) or ("the run" if len(plan.runs) == 1 else "several")
 
 
 def _lists(
-    swept: dict[str, Any], kinds: Mapping[str, object], problems: list[str]
+    swept: dict[str, Any], kinds: Mapping[str, object], question: str, problems: list[str]
 ) -> Iterator[tuple[tuple[str, str], list[Any]]]:
     """Find the section of each swept key; ``solid.k1 = [...]`` may name it."""
-    homes = {name: one for one, kinds in KINDS.items() for each in kinds.values() for name in each.keys}
-    able = _swept_keys({})
+    sections = (*ORDER, *filter(None, [question]))
+    homes = {name: one for one in sections for each in KINDS[one].values() for name in each.keys}
+    able = _swept_keys({}, question)
     lists: dict[str, None] = {}
     for path, values in _paths(swept):
         head, _, rest = path.partition(".")
-        section, name = (head, rest) if head in ORDER and rest else (None, path)
+        section, name = (head, rest) if head in sections and rest else (None, path)
         key = name.split(".")[0]
         where = f"[sweep] {name}"
         if name in lists:
@@ -248,7 +264,8 @@ def _lists(
             advice = f"{', '.join(IN_A_LEG)} of a leg can: protocol.1.load = [...]"
         else:
             sweepable = key in able
-            advice = "try seeds" if name == "seed" else f"these can: {', '.join(_swept_keys(kinds))}"
+            others = f"these can: {', '.join(_swept_keys(kinds, question))}"
+            advice = "try seeds" if name == "seed" else others
             if key not in homes or section not in (None, homes[key]):
                 shown = len(problems) < SHOWN_PROBLEMS
                 close = get_close_matches(name, [*homes, "seeds", "combine"], n=1) if shown else []
@@ -292,15 +309,18 @@ def _place_in(table: object, key: str) -> Any:
     return {"share": 0, "time": 1}[key] if key in ("share", "time") and len(table) == 2 else int(key)
 
 
-def _swept_keys(kinds: Mapping[str, object]) -> list[str]:
-    """Keys that may be swept, on a surface and a solid of these kinds."""
+def _swept_keys(kinds: Mapping[str, object], question: str) -> list[str]:
+    """Keys that a question uses and that may be swept, on a surface and a solid of these kinds."""
+    asked = QUESTIONS.get(question, Question)
     names = [
         name
-        for section, of_section in KINDS.items()
-        for kind, each in of_section.items()
-        if kinds.get(section, kind) == kind or kinds[section] not in of_section
+        for section in (*ORDER, *filter(None, [question]))
+        for kind, each in KINDS[section].items()
+        if kinds.get(section, kind) == kind or kinds[section] not in KINDS[section]
         for name, parameter in each.keys.items()
         if parameter.quantity.swept
+        and name not in asked.unused.get(section, ())
+        and (section, name) not in asked.refused
     ]
     return list(dict.fromkeys(names))
 
@@ -340,6 +360,7 @@ def _runs(
     lengths = [range(len(values)) for values in lists.values()]
     points = list(zip(*lengths, strict=True)) if zipped and lists else list(itertools.product(*lengths))
     problems: dict[str, None] = {}
+    remarks: dict[str, None] = {}
     contents: dict[str, str] = {}
     runs: list[Run] = []
     names = {key: f"[sweep] {key[1]}" for key in lists}
@@ -360,14 +381,15 @@ def _runs(
             flags.setdefault(section, {})[name] = value
         try:
             config = config_from(_laid_over(tables, flags, *seeds[:1]), {}, path, names)
-            # A worker in any folder finds a surface file; a solid needs no file any more.
-            resolved = {"solid": config.solid.resolved(), "surface": config.surface.anywhere()}
-            config = config.but(**resolved)
-            runs += _with_seeds(config, point, seeds, _content(config, contents))
+            remarks |= dict.fromkeys(config.remarks)
+            config = config.used  # which a worker in any folder can read
+            runs += _with_seeds(config, point, seeds, content_of(config, contents))
         except ConfigError as error:
             problems |= dict.fromkeys(error.problems)
     if problems:
         raise ConfigError(list(problems))
+    for text in remarks:
+        remark(text)
     return tuple(runs)
 
 
@@ -409,25 +431,28 @@ def seeded(config: RunConfig, seed: int) -> RunConfig:
     return config.but(surface=surface)
 
 
-def _content(config: RunConfig, checksums: dict[str, str]) -> str:
-    """Checksum of the surface file, if there is one."""
-    if (file := config.surface.file) is None:
-        return ""
-    name = str(file)
-    if name not in checksums:
-        try:
-            checksums[name] = hashlib.sha256(file.read_bytes()).hexdigest()
-        except OSError as error:
-            raise ConfigError([f"[surface] path: {name}: {error.strerror}"]) from None
-    return checksums[name]
+def content_of(config: RunConfig, checksums: dict[str, str]) -> str:
+    """Checksums of the files that it reads: the surface, and a table of the solid; found ones are kept."""
+    contents = []
+    for section, key in _FILES.items():
+        if (name := getattr(config.parts[section], key, None)) is None:
+            continue
+        if name not in checksums:
+            try:
+                checksums[name] = hashlib.sha256(Path(name).read_bytes()).hexdigest()
+            except OSError as error:
+                raise ConfigError([f"[{section}] {key}: {name}: {error.strerror}"]) from None
+        contents.append(checksums[name])
+    return " ".join(contents)
 
 
 def _facts(config: RunConfig, content: str) -> dict[str, Any]:
     facts = to_tables(config)
     facts["output"].pop("figures", None)
-    if (file := config.surface.file) is not None:
-        # The suffix decides how the content is read.
-        facts["surface"]["path"] = [file.suffix.lower(), content]
+    for section, key in _FILES.items():
+        if (name := facts[section].get(key)) is not None:
+            # The suffix decides how the content is read.
+            facts[section][key] = [Path(name).suffix.lower(), content]
     facts["version"] = [__version__, _STORE_FORMAT]
     return facts
 
@@ -444,7 +469,7 @@ def _axis(section: str, name: str, values: Sequence[object], configs: Mapping[in
 
 def value_at(config: RunConfig, section: str, name: str) -> Any:
     """Value of a swept key in a configuration."""
-    place: Any = getattr(config, section)
+    place: Any = config.protocol if section == "protocol" else config.parts[section]
     for key in name.split(".")[section == "protocol" :]:
         key = _place_in(place, key) if isinstance(place, list | tuple) else key
         place = place[key] if isinstance(key, int) else getattr(place, key)

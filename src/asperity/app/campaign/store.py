@@ -16,9 +16,8 @@ import hashlib
 import json
 import shutil
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -29,44 +28,21 @@ from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
 from asperity.app.campaign.plan import Run
+from asperity.app.config import to_toml
 from asperity.app.runs import Outcome
 from asperity.base.calls import remark
 from asperity.base.files import MARKER, expanded, mark
 from asperity.errors import InputError, OutputError
-from asperity.lattice import Field
-from asperity.patches import QUANTILES
-from asperity.results.quantities import select
 from asperity.results.store import flush, flush_folder, whole_file
 
-QUANTITIES = ("time", *select("series"), "leg")
-FITTED = ("a", "q", "t0", "C")
-KEPT_FIELDS = ("heights", *select("field"), "in_contact_relaxed", "u_relaxed", "area_observed")
-"""Fields of a run that asked for maps, in the order in which their checksum takes them."""
+_SITES = {"y", "x", "branch"}
+"""Dimensions of the fields of a run."""
 
 _PATIENCE = 60.0
 """Seconds to wait for another process that prepares the same folder, which takes it a moment."""
 
-_OF_MAPS = "of_maps"
-"""The array of the patches of all maps."""
-
 _WHOLE = "attributes_checksum"
 """The attribute that is the checksum of all others."""
-
-
-@dataclass(frozen=True, eq=False)
-class Finished:
-    """A finished run as stored.
-
-    Its series have the shape (quantities, times), with NaN where it has none; ``described`` gives their long
-    names and units, ``lattice`` attributes of its dataset; ``maps`` is None for a run without maps.
-    """
-
-    series: Field
-    scalars: dict[str, float]
-    config: str
-    described: dict[str, tuple[str, str]]
-    lattice: dict[str, Any]
-    maps: xr.Dataset | None = None
 
 
 class Store:
@@ -189,51 +165,36 @@ class Store:
                 f"could not write to {self.directory}: {error.strerror or error}; nothing there is damaged"
             ) from error
 
-    def read(self, run: Run) -> Finished:
-        """Read a finished run.
+    def read(self, run: Run, *, fields: bool = False) -> xr.Dataset:
+        """Read the dataset of a finished run, without the fields over its sites or with them.
 
         `InputError` if it is not there, damaged, or another run.
         """
         with self._opened(run) as (group, facts):
-            series = np.asarray(group["series"])
-            _check(facts["checksum"] == _checksum(series))
-            return Finished(
-                series=_completed(series, facts["quantities"]),
-                scalars={name: float(value) for name, value in facts["scalars"].items()},
-                config=str(facts["config"]),
-                described={name: (str(long), str(unit)) for name, (long, unit) in facts["described"].items()},
-                lattice=facts.get("lattice", {}),
-                maps=_maps_of(group, facts),
-            )
+            rows: dict[str, list[str]] = {}
+            for name, (key, dims, *_) in facts["variables"].items():
+                if fields or not _SITES & {*dims}:
+                    rows.setdefault(key, []).append(name)
+            found = {name: tuple(one) for name, one in facts["plain"].items()}
+            for key, names in rows.items():
+                stored = np.asarray(group[key])
+                _check(facts["checksums"][key] == _checksum(stored))
+                for name, values in zip(names, [stored] if key == names[0] else stored, strict=True):
+                    _, dims, dtype, attrs = facts["variables"][name]
+                    found[name] = dims, values.astype(dtype), attrs
+            coordinates = {name: found.pop(name) for name in facts["coordinates"] if name in found}
+            return xr.Dataset(found, coordinates, facts["attributes"] | {"config": facts["config"]})
 
     def fields(self, run: Run) -> xr.Dataset:
-        """Read the fields that a finished run kept, as its history held them.
+        """Read the dataset of a finished run with the fields that it kept.
 
         `InputError` if the run is not there, kept none, is damaged, or another one.
         """
-        with self._opened(run) as (group, facts):
-            if "fields_checksum" not in facts:
-                raise InputError(
-                    "campaign",
-                    expected="a run that kept fields",
-                    got=f"{run.identity} without",
-                    advice="maps_at in [output]",
-                )
-            names = (*KEPT_FIELDS, "field_time", _OF_MAPS)
-            arrays = {name: np.asarray(group[name]) for name in names if name in group}
-            _check(facts["fields_checksum"] == _checksum(*arrays.values()))
-            sites = ("y", "x")[2 - arrays["heights"].ndim :]
-            dims = {0: sites, 1: ("field_time", *sites), 2: ("field_time", "branch", *sites)}
-            variables = {
-                name: ("field_time" if name == "area_observed" else dims[values.ndim - len(sites)], values)
-                for name, values in arrays.items()
-                if name not in ("field_time", _OF_MAPS)
-            }
-            fields = xr.Dataset(
-                variables, coords={"field_time": arrays["field_time"]}, attrs=facts.get("lattice", {})
-            )
-            of_patches = _maps_of(group, facts)
-            return fields if of_patches is None else fields.assign(of_patches)
+        dataset = self.read(run, fields=True)
+        if not _SITES & {*dataset.dims}:
+            expected, got = "a run that kept fields", f"{run.identity} without"
+            raise InputError("campaign", expected=expected, got=got, advice="maps_at in [output]")
+        return dataset
 
     @contextmanager
     def _opened(self, run: Run) -> Iterator[tuple[zarr.Group, dict[str, Any]]]:
@@ -251,6 +212,8 @@ class Store:
             _check(facts.pop(_WHOLE) == _checksum_of(facts))
             if facts["identity"] != run.identity:
                 raise _damage(place, "that folder", "holds another run")
+            if "variables" not in facts:
+                raise _damage(place, "that folder", "was written by an earlier version")
             yield group, facts
         except Exception as error:
             if type(error) is InputError:
@@ -276,93 +239,42 @@ def _damage(place: Path, part: str, fault: str = "is damaged") -> InputError:
 
 
 def _write_group(folder: Path, identity: str, outcome: Outcome, seconds: float) -> None:
-    """One array holds the series: writing costs by the array, and there may be thousands of runs."""
-    dataset = outcome.dataset
-    with_legs = dataset if "leg" in dataset.coords else dataset.assign_coords(leg=0 * dataset["steps"])
-    quantities = [name for name in QUANTITIES if name in with_legs.variables]
-    series = np.stack([np.asarray(with_legs[name], dtype=np.float64) for name in quantities])
-    group = zarr.open_group(folder, mode="w")
-    group.create_array("series", data=series, chunks=series.shape, dimension_names=("quantity", "time"))
-    fields = {}
-    if "field_time" in dataset:
-        fields = {name: np.asarray(dataset[name]) for name in (*KEPT_FIELDS, "field_time") if name in dataset}
-    kept = {}
-    if "patches" in dataset:
-        kept = {name: np.atleast_2d(np.asarray(dataset[name]).T) for name in select("map") if name in dataset}
-        fields[_OF_MAPS] = np.concatenate(list(kept.values())).astype(np.float64)
-    for name, values in fields.items():
-        group.create_array(name, data=values, chunks=values.shape)
+    """One array holds all numbers over the same dimensions, and each field over the sites has its own.
+
+    Writing costs by the array, and there may be thousands of runs.
+    """
+    numbers = outcome.numbers() | {"seconds": ((), seconds, {"long_name": "time of computing", "units": "s"})}
+    dataset = outcome.dataset.assign(dict(sorted(numbers.items())))
+    if not outcome.keeps_fields:
+        dataset = dataset.drop_dims(_SITES & {*dataset.dims})
+    plain = {name: one for name, one in dataset.variables.items() if one.dtype.kind == "U" or not one.dims}
+    arrays: dict[str, list[NDArray[Any]]] = {}
+    variables = {}
+    for name, one in dataset.variables.items():
+        if name not in plain:
+            key = str(name) if _SITES & {*one.dims} else "_".join(["over", *map(str, one.dims)])
+            arrays.setdefault(key, []).append(one.values)
+            variables[name] = key, one.dims, one.dtype.str, one.attrs
+    group, checksums = zarr.open_group(folder, mode="w"), {}
+    for key, parts in arrays.items():
+        values = parts[0] if key in variables else np.stack(parts).astype(np.float64)
+        group.create_array(key, data=values, chunks=values.shape)
+        checksums[key] = _checksum(values)
     facts: dict[str, Any] = {
         "identity": identity,
-        "quantities": quantities,
-        "described": {
-            name: [with_legs[name].attrs.get(key, "") for key in ("long_name", "units")]
-            for name in quantities
-        },
-        "lattice": {name: dataset.attrs[name] for name in ("spacing", "edges", "si")},
-        "scalars": _scalars(outcome) | {"seconds": seconds},
-        "config": str(dataset.attrs["config"]),
-        "asperity_version": str(dataset.attrs["asperity_version"]),
-        "heights_sha256": str(dataset.attrs["heights_sha256"]),
-        "checksum": _checksum(series),
-        **({"fields_checksum": _checksum(*fields.values())} if fields else {}),
-        _OF_MAPS: [
-            [name, len(values), values.dtype.str, *map(dataset[name].attrs.get, ("long_name", "units"))]
-            for name, values in kept.items()
-        ],
+        "variables": variables,
+        "plain": {name: (one.dims, one.values.tolist(), one.attrs) for name, one in plain.items()},
+        "coordinates": [*dataset.coords],
+        "attributes": dataset.attrs | {"over": outcome.over},
+        "config": to_toml(outcome.config),
+        "checksums": checksums,
     }
+    facts = json.loads(json.dumps(facts))
     group.attrs.update(facts | {_WHOLE: _checksum_of(facts)})
 
 
-def _completed(series: Field, quantities: Sequence[str]) -> Field:
-    """The series of `QUANTITIES`, undefined where a run has none."""
-    columns = dict(zip(quantities, series, strict=True))
-    missing = np.full(series.shape[1:], np.nan)
-    return np.stack([columns.get(name, missing) for name in QUANTITIES])
-
-
-def _maps_of(group: zarr.Group, facts: dict[str, Any]) -> xr.Dataset | None:
-    """What the maps of a run know of patches; None where it has no maps."""
-    if not facts.get(_OF_MAPS):
-        return None
-    values, row, series = np.asarray(group[_OF_MAPS]), 0, {}
-    for name, width, dtype, long_name, unit in facts[_OF_MAPS]:
-        run_values = values[row : row + width].astype(dtype)
-        shaped = run_values[0] if width == 1 else run_values.T
-        described = {"long_name": str(long_name), "units": str(unit)}
-        series[str(name)] = (("field_time", "quantile")[: shaped.ndim], shaped, described)
-        row += width
-    coordinates = {"field_time": np.asarray(group["field_time"]), "quantile": list(QUANTILES)}
-    return xr.Dataset(series, coords=coordinates)
-
-
-def _scalars(outcome: Outcome) -> dict[str, float]:
-    dataset, summary = outcome.dataset, outcome.summary
-    scalars = {
-        "sites": float(dataset.attrs["sites"]),
-        "held": float(dataset.attrs[f"held_{dataset.attrs['held']}"]),
-        "initial_area": float(dataset["area"][0]),
-        "final_area": float(dataset["area"][-1]),
-        "worst_residual": float(dataset["residual"].max()),
-    }
-    scalars |= {
-        name: float(value)
-        for name, value in dataset.attrs.items()
-        if name.startswith("relaxed_") and np.isfinite(value)
-    }
-    if summary is not None and summary.fit is not None:
-        fitted = {f"fit_{name}": getattr(summary.fit, name) for name in FITTED}
-        fitted |= {f"fit_{name}_uncertainty": getattr(summary.fit, f"{name}_stderr") for name in FITTED}
-        fitted["fit_misfit"] = summary.fit.rms_residual
-        scalars |= {name: float(value) for name, value in fitted.items() if np.isfinite(value)}
-    return scalars
-
-
-def _checksum(*arrays: NDArray[Any]) -> str:
-    total = hashlib.sha256()
-    for array in arrays:
-        total.update(array.tobytes())
-    return total.hexdigest()
+def _checksum(array: NDArray[Any]) -> str:
+    return hashlib.sha256(array.tobytes()).hexdigest()
 
 
 def _checksum_of(facts: dict[str, Any]) -> str:

@@ -18,9 +18,7 @@ from asperity.app.campaign.store import Store
 from asperity.app.campaign.worker import Report, run_task
 from asperity.app.config import to_tables
 from asperity.app.runs.loops import compile_loops
-from asperity.app.runs.pipeline import unused
 from asperity.base import checks
-from asperity.base.calls import remark
 from asperity.base.files import expanded, without_links
 from asperity.base.version import __version__
 from asperity.errors import InputError, OutputError
@@ -126,8 +124,6 @@ def sweep(
         raise SystemExit(1)
     with checks.extra("campaign", "running a campaign"):  # before anything is written
         import distributed  # noqa: F401
-    for text in dict.fromkeys(text for run in plan.runs for text in unused(run.config, "a run")):
-        remark(text)
     store = Store(without_links(expanded(directory)))
     try:
         store.directory.mkdir(parents=True, exist_ok=True)

@@ -7,9 +7,10 @@ import time as clock
 from pathlib import Path
 from typing import Literal
 
+from asperity.app.campaign.plan import content_of
 from asperity.app.campaign.store import Store
 from asperity.app.config import RunConfig, from_tables
-from asperity.app.runs import Progress, execute
+from asperity.app.runs import Progress, answer
 from asperity.base.version import __version__
 from asperity.errors import AsperityError, CheckpointError, InputError, OutputError
 from asperity.results import Checkpoint
@@ -26,7 +27,7 @@ def run_task(
 ) -> Report:
     """Do one run, unless it is done or another process computes it.
 
-    The configuration is JSON; the content, if any, the checksum of the surface file, which must not have
+    The configuration is JSON; the content, if any, the checksum of its files, which must not have
     changed since it was planned; the version, of what planned it, must be the worker's. ``failed`` runs
     are recorded in the store; ``disk`` means that nothing could be recorded.
     """
@@ -60,12 +61,11 @@ def _compute(store: Store, identity: str, config: RunConfig, content: str) -> No
     begin = clock.perf_counter()
     place = Checkpoint(store.checkpoint(identity), every=_CHECKPOINT_EVERY)
     try:
-        outcome = execute(config, Progress(), checkpoint=place)
+        outcome = answer(config, Progress(), checkpoint=place)
     except CheckpointError:  # it only saves time: without it the run begins anew
         Path(place.path).unlink(missing_ok=True)
-        outcome = execute(config, Progress(), checkpoint=place)
-    read = json.loads(str(outcome.dataset.attrs["surface"])).get("sha256", "")
-    if content and read != content:
+        outcome = answer(config, Progress(), checkpoint=place)
+    if content != content_of(config, {}):
         raise InputError("surface", expected="the file as it was planned", got="one that has changed since")
     store.write(identity, outcome, clock.perf_counter() - begin)
     Path(place.path).unlink(missing_ok=True)

@@ -59,7 +59,7 @@ class Flags:
 @functools.cache
 def flags_for(*sections: str) -> type[Flags]:
     """Make the flags of sections; those of ``"preparation"`` prepare a measured surface."""
-    from asperity.app.config.keys import QUESTIONS
+    from asperity.ask.questions import QUESTIONS
 
     keys = {f"{section}_{key.name}": (section, key) for one in sections for section, key in keys_for(one)}
     # Of a run, a number may be without a unit.
@@ -207,7 +207,8 @@ def listed(written: Iterable[str]) -> list[str]:
 
 def keys_for(section: str) -> Iterator[tuple[str, Key]]:
     """Yield the name of a section with each of its keys; a key of several kinds lists these kinds."""
-    from asperity.app.config.keys import HISTORY, QUESTIONS, Key, keys_of, own_keys, sections
+    from asperity.app.config.keys import HISTORY, Key, keys_of, own_keys, sections
+    from asperity.ask.questions import QUESTIONS
     from asperity.ask.surface import MeasuredSurface
 
     if section in QUESTIONS:
@@ -242,8 +243,9 @@ def keys_for(section: str) -> Iterator[tuple[str, Key]]:
 
 def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     """Keys of sections that a prediction takes: of a scan, a half-space, and what else there is."""
-    from asperity.app.config.keys import QUESTIONS, keys_of
+    from asperity.app.config.keys import keys_of
     from asperity.ask.laws import OF_LAWS
+    from asperity.ask.questions import QUESTIONS
     from asperity.ask.run import Carried, Output
     from asperity.ask.section import KINDS
     from asperity.ask.solid import OF_TABLES, HalfSpace

@@ -34,7 +34,8 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False, d
     check_campaign("gather", out)
     import asperity.app.campaign as campaign
     from asperity.app.campaign.gather import with_ends
-    from asperity.app.cli.output import heads_of, write_figures
+    from asperity.app.cli.output import write_figures
+    from asperity.app.runs.outcome import heads_of
     from asperity.base.files import standing
     from asperity.base.rows import aligned
     from asperity.figures import campaign_figure
@@ -60,11 +61,9 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False, d
             dataset.to_netcdf(part)
     else:
         save(dataset, target, overwrite=replace)
-    runs = campaign.table(dataset)
-    if dataset["time"].attrs["units"] == "s":
-        ends = with_ends(dataset)
-        named = {name: ends[name] for name in map(str, runs) if name not in _BARE}
-        runs = runs.rename(columns=heads_of(named))
+    runs, ends = campaign.table(dataset), with_ends(dataset)
+    named = {name: ends[name] for name in map(str, runs) if name not in _BARE}
+    runs = runs.rename(columns=heads_of(named))
     with whole_file(csv, overwrite=before[csv]) as part:
         runs.to_csv(part, index=False)
     sizes = ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())
@@ -73,9 +72,9 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False, d
         ("finished", f"{dataset.attrs['finished']} of {dataset.attrs['runs']} runs"),
         ("dimensions", sizes),
         ("written", f"{target}: all series and their ensemble; {opener} opens it"),
-        ("", f"{csv}: one row a run, {len(runs)} rows"),
+        ("", f"{csv}: {'one row a run' if 'initial_area' in dataset else 'all answers'}, {len(runs)} rows"),
     ]
-    if formats and float(dataset["time"].max()) > 0:
+    if formats and float(dataset[dataset.attrs["over"].split()[-1]].max()) > 0:
         lines = write_figures(lambda: campaign_figure(dataset), {file: before[file] for file in pictures})
         rows += [("", line) for line in lines]
     sys.stdout.write(f"{aligned(rows)}\n")

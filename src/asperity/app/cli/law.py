@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -68,16 +67,13 @@ def law(
     if age is not None:
         check_unit("--age", number(age), "s")
     file = file_of_run(material, flags)
-    if file is None and "pressures" not in flags.get("law", {}):
-        advice = "--pressures 0.1MPa 100MPa"
-        raise InputError("--pressures", expected="two pressures or more", got="none", advice=advice)
     if drawn.figures is not None:
         flags["output"] = {"figures": drawn.figures}
     from asperity.app.config.mistakes import Door
-    from asperity.app.config.reading import asked_at, to_toml
+    from asperity.app.config.reading import config_at
 
     door = Door(flags, file)
-    settings, own = asked_at(door, "law")
+    settings = config_at(door, question="law")
     if write:
         from asperity.contact_law.programs import place_of
 
@@ -86,20 +82,7 @@ def law(
         expected = "--write beside it: it is for files of other programs"
         raise InputError(flag(asked[0]), expected=expected, got="none", advice="--write calculix")
     replaceable = check_free(out, overwrite=results.overwrite)
-    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
-    from asperity.app.cli.reports.law import write_law
-    from asperity.app.runs.law import law_of_config
-    from asperity.contact_law.rows import rows_of
+    from asperity.app.cli.computing import answer_into  # takes a second: mistakes are reported before
 
-    with door.answering(settings, "law"):
-        compute_into(
-            "law",
-            out,
-            to_toml(settings, law=own),
-            functools.partial(law_of_config, settings, **own),
-            rows=lambda outcome: rows_of(outcome.dataset),
-            write=functools.partial(write_law, own=own, programs=write, age=age, millimeters=millimeters),
-            every=0.0,
-            results=results,
-            replaceable=replaceable,
-        )
+    of_programs = {"programs": write, "age": age, "millimeters": millimeters}
+    answer_into(out, door, settings, results, replaceable, **of_programs)

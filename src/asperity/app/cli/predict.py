@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import shlex
 import sys
 from pathlib import Path
@@ -27,8 +26,6 @@ if TYPE_CHECKING:
     from asperity.app.config.mistakes import Door
 
 __all__ = ["flags_for", "predict"]  # the annotation that `command` writes names flags_for
-
-_CHECKPOINT_EVERY = 3.0
 
 _RESULTS = Results()
 
@@ -68,27 +65,13 @@ def predict(
     flags = given(keys, surface=surface, leg=leg, units=True)
     replaceable = check_free(out, overwrite=results.overwrite)
     door = _door(material, flags)
-    from asperity.app.config.reading import asked_at
+    from asperity.app.config.reading import config_at
 
-    settings, own = asked_at(door, "prediction")
-    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
-    from asperity.app.predict import predict_config
-    from asperity.app.predict.folder import write_files
-    from asperity.prediction import Prediction
+    settings = config_at(door, question="prediction")
+    from asperity.app.cli.computing import answer_into  # takes a second: mistakes are reported before
 
     typed = printable(shlex.join(["asperity", *sys.argv[1:]]))
-    with door.answering(settings, "prediction"):
-        compute_into(
-            "prediction",
-            out,
-            f"{settings!r}{own}",
-            functools.partial(predict_config, settings, **own),
-            rows=Prediction.rows,
-            write=functools.partial(write_files, output=settings.output, command=typed),
-            every=_CHECKPOINT_EVERY,
-            results=results,
-            replaceable=replaceable,
-        )
+    answer_into(out, door, settings, results, replaceable, command=typed)
 
 
 def _door(material: Path | None, flags: dict[str, dict[str, object]]) -> Door:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from pathlib import Path
 from typing import Annotated
 
@@ -16,8 +15,6 @@ from asperity.app.cli.options import Results
 __all__ = ["flags_for", "run"]  # the annotation that `command` writes names flags_for
 
 _RESULTS = Results()
-_CHECKPOINT_EVERY = 20.0
-"""Seconds between checkpoints: shorter runs leave none."""
 
 
 @command("surface", "preparation", "solid", "contact", "aging", "protocol", "friction", "carried", "output")
@@ -47,25 +44,11 @@ def run(
         [default: one hold]
     """
     from asperity.app.config.mistakes import Door
-    from asperity.app.config.reading import config_at, to_toml
+    from asperity.app.config.reading import config_at
 
     door = Door(given(keys, leg=leg), config)
     settings = config_at(door)
     replaceable = check_free(out, overwrite=results.overwrite)
-    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
-    from asperity.app.cli.output import write_run
-    from asperity.app.runs import execute
-    from asperity.app.runs.words import run_rows
+    from asperity.app.cli.computing import answer_into  # takes a second: mistakes are reported before
 
-    with door.answering(settings):
-        compute_into(
-            "run",
-            out,
-            to_toml(settings),
-            functools.partial(execute, settings),
-            rows=run_rows,
-            write=write_run,
-            every=_CHECKPOINT_EVERY,
-            results=results,
-            replaceable=replaceable,
-        )
+    answer_into(out, door, settings, results, replaceable)

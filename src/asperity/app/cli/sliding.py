@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import functools
 from pathlib import Path
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Folder, check_load, file_of_run, flags_for, given
+from asperity.app.cli.flags import Flags, Folder, file_of_run, flags_for, given
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Drawn, Results
-from asperity.errors import InputError
 
 __all__ = ["flags_for", "sliding"]  # the annotation that `command` writes names flags_for
 
@@ -42,33 +40,14 @@ def sliding(
     """
     flags = given(keys, surface=surface, units=True)
     file = file_of_run(material, flags)
-    if file is None:
-        check_load(flags)
-    if file is None and "speeds" not in flags.get("sliding", {}):
-        advice = "--speeds 1um/s 10m/s"
-        raise InputError("--speeds", expected="a speed, or the ends of a range", got="none", advice=advice)
     if drawn.figures is not None:
         flags["output"] = {"figures": drawn.figures}
     from asperity.app.config.mistakes import Door
-    from asperity.app.config.reading import asked_at, to_toml
+    from asperity.app.config.reading import config_at
 
     door = Door(flags, file)
-    settings, own = asked_at(door, "sliding")
+    settings = config_at(door, question="sliding")
     replaceable = check_free(out, overwrite=results.overwrite)
-    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
-    from asperity.app.cli.reports.sliding import write_sliding
-    from asperity.app.runs.sliding import sliding_of_config
-    from asperity.sliding.rows import rows_of
+    from asperity.app.cli.computing import answer_into  # takes a second: mistakes are reported before
 
-    with door.answering(settings, "sliding"):
-        compute_into(
-            "sliding",
-            out,
-            to_toml(settings, sliding=own),
-            functools.partial(sliding_of_config, settings, **own),
-            rows=lambda outcome: rows_of(outcome.dataset),
-            write=functools.partial(write_sliding, own=own),
-            every=0.0,
-            results=results,
-            replaceable=replaceable,
-        )
+    answer_into(out, door, settings, results, replaceable)

@@ -7,14 +7,11 @@ import functools
 from dataclasses import dataclass
 from typing import Any
 
-from asperity.ask.contact_law import Law
 from asperity.ask.legs import keys_of_leg
-from asperity.ask.prediction import Predict
-from asperity.ask.question import Question
+from asperity.ask.questions import QUESTIONS
 from asperity.ask.run import FILES
 from asperity.ask.section import KINDS, Section, keys_of_maker
 from asperity.ask.section import Keys as Parameters
-from asperity.ask.sliding import SteadySliding
 from asperity.base.parameters import Parameter
 from asperity.errors import LARGEST
 from asperity.protocols import measured
@@ -54,9 +51,6 @@ class Key:
 
 
 Keys = dict[str, Key]
-
-QUESTIONS: dict[str, type[Question]] = {"prediction": Predict, "law": Law, "sliding": SteadySliding}
-"""Questions of commands that take the file of a run, and have keys beside those of its sections."""
 
 _SEVERAL = {"legs": "legs", "text or whole": "texts"}
 

@@ -10,9 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from asperity.app.config.keys import QUESTIONS
-from asperity.ask.question import Question
-from asperity.ask.run import ORDER, RunConfig
+from asperity.ask.run import RunConfig
 from asperity.ask.section import KINDS
 from asperity.errors import ConfigError, InputError, Value
 
@@ -85,29 +83,26 @@ class Door:
         return f"{place}{': ' * bool(section)}{about}{mistake.told('', spell, assign)}"
 
     @contextmanager
-    def answering(self, config: RunConfig, question: str = "") -> Iterator[None]:
-        """Let the errors of a verb name arguments as this configuration or this question has them."""
+    def answering(self, config: RunConfig) -> Iterator[None]:
+        """Let the errors of a verb name arguments as this configuration has them."""
         try:
             yield
         except ConfigError:
             raise
         except InputError as error:
-            path = error.path or self._path_of(error.name, config, question)
+            path = error.path or self._path_of(error.name, config)
             if not path:
                 raise
             place, told = self._place(str(path[0]), [*path[1:]]), self.line(error.about(error.name, *path))
             raise error.retold(place, told) from error
 
-    def _path_of(self, name: str, config: RunConfig, question: str) -> tuple[str, ...]:
+    def _path_of(self, name: str, config: RunConfig) -> tuple[str, ...]:
         """Section and key with the name of an argument, best one that came as a flag; empty for none."""
-        keys: dict[str, Any] = {section: getattr(config, section).keys for section in ORDER}
-        if name in keys:
+        if name in config.parts:
             return (name,)
-        asked = QUESTIONS.get(question, Question)
-        own = {question: asked.own().keys() - asked.placed}
-        keys = own | {section: keys[section] for section in asked.sections} | keys
-        homes = [home for home in keys if name in keys[home]]
-        homes.sort(key=lambda home: name not in self.flags.get(home, {}))
+        first = (config.asked, *(config.own.question.sections if config.own else ()))
+        homes = [home for home, part in config.parts.items() if name in part.keys]
+        homes.sort(key=lambda home: (name not in self.flags.get(home, {}), home not in first))
         return (homes[0], name) if homes else ()
 
     def _typed(self, section: str, *keys: str | int) -> bool:

@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from asperity.app.config.keys import QUESTIONS
 from asperity.app.config.mistakes import Door, Names, Sections
 from asperity.ask.files import read_tables
 from asperity.ask.laws import KEYS_OF_LAWS, OF_LAWS
-from asperity.ask.question import Question
+from asperity.ask.questions import QUESTIONS
 from asperity.ask.run import RunConfig
-from asperity.ask.section import KINDS, Section, SectionError, read_keys, unknown_key
+from asperity.ask.section import KINDS, Section, SectionError
 from asperity.ask.surface import MeasuredSurface
-from asperity.base.checks import shown
 from asperity.base.words import tables_to_toml
 from asperity.errors import InputError
 
-_OF_OTHERS = {
-    "sweep": ("campaign", "asperity sweep FILE --out FOLDER"),
-    "prediction": ("prediction", "asperity predict FILE"),
-    "law": ("law", "asperity law FILE"),
-    "sliding": ("steady slide", "asperity sliding FILE"),
-}
-"""Sections that no run has: of what they are, and the command for it."""
+COMMANDS = {"prediction": "predict"}
+"""Commands that have another name than the section of their question."""
 
 
 def read_config(path: str | Path | None, flags: Sections) -> RunConfig:
@@ -36,60 +28,37 @@ def read_config(path: str | Path | None, flags: Sections) -> RunConfig:
 def config_from(
     tables: dict[str, Any], flags: Sections, path: Path | None, names: Names | None = None
 ) -> RunConfig:
-    """Check the tables of a file, overridden by flags; path and `names` of keys are for mistakes."""
-    return config_at(Door(flags, path, names or {}), tables)
+    """Check the tables of a file of any question, overridden by flags; path and `names` are for mistakes."""
+    return config_at(Door(flags, path, names or {}), tables, question_of(tables))
 
 
-def config_at(door: Door, tables: dict[str, Any] | None = None) -> RunConfig:
+def config_at(door: Door, tables: dict[str, Any] | None = None, question: str = "") -> RunConfig:
     """Check what came through a door: its file, or these tables of it, overridden by its flags.
 
-    A relative path in the file is relative to it. `ConfigError` with one line for each mistake.
+    The keys of a question other than a run stand in a section of its name. A relative path in the file is
+    relative to it. `ConfigError` with one line for each mistake.
     """
-    return _read(door, tables, "")[0]
-
-
-def asked_at(door: Door, question: str) -> tuple[RunConfig, dict[str, Any]]:
-    """Check what a question is asked through a door: a configuration, and its own keys that are given.
-
-    These stand in a section of its name. `ConfigError` as above.
-    """
-    return _read(door, None, question)
-
-
-def _read(door: Door, tables: dict[str, Any] | None, question: str) -> tuple[RunConfig, dict[str, Any]]:
     if tables is None:
         tables = {} if door.file is None else read_tables(door.file)
-    merged, mistakes, own = _merged(tables, door.flags), list[InputError](), dict[str, Any]()
-    for name, (what, advice) in _OF_OTHERS.items():
+    merged, mistakes = _merged(tables, door.flags), list[InputError]()
+    for name in ("sweep", *QUESTIONS):
         if name != question and merged.pop(name, None) is not None:
-            said = f"makes this the file of a {what}, not of a run"
+            what = "campaign" if name == "sweep" else f"question of {name}"
+            said = f"makes this the file of a {what}, not of a {question or 'run'}"
+            advice = f"asperity {COMMANDS.get(name, name)} FILE{' --out FOLDER' * (name == 'sweep')}"
             mistakes.append(InputError(name, said=said, advice=advice, path=(name,)))
-    with _gathered(mistakes):
-        own = _own(question, merged.pop(question, {}))
-    with _gathered(mistakes):
-        config = RunConfig.read(merged)
-    if mistakes:
-        raise door.refused(mistakes)
-    return config, own
-
-
-def _own(question: str, table: object) -> dict[str, Any]:
-    """Values of the keys of a question that no section has; `SectionError` with every mistake."""
-    if not isinstance(table, dict):
-        expected = f"a section [{question}]"
-        raise SectionError([InputError(question, expected=expected, got=shown(table), path=(question,))])
-    asked = QUESTIONS.get(question, Question)
-    keys = {name: key for name, key in asked.own().items() if name not in asked.placed}
-    read = read_keys(keys, table, (question,), unknown=lambda key: unknown_key(key, keys, (question, key)))
-    return {name: read[name] for name in table}
-
-
-@contextmanager
-def _gathered(mistakes: list[InputError]) -> Iterator[None]:
     try:
-        yield
+        config = RunConfig.read(merged | ({question: merged.get(question, {})} if question else {}))
     except SectionError as error:
         mistakes += error.mistakes
+    if mistakes:
+        raise door.refused(mistakes)
+    return config
+
+
+def question_of(tables: Mapping[str, Any]) -> str:
+    """The question whose section a file has; empty for a run."""
+    return next((name for name in QUESTIONS if name in tables), "")
 
 
 def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
@@ -101,7 +70,7 @@ def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
 
 
 def to_tables(config: RunConfig) -> dict[str, Any]:
-    """Tables of which `from_tables` makes the same configuration, without draws."""
+    """Tables of which `from_tables` makes the same configuration."""
     tables = config.tables
     if "times" in tables["aging"]:
         for rival in ("first", "last", "per_decade"):
@@ -119,9 +88,9 @@ def from_tables(tables: dict[str, Any]) -> RunConfig:
     return RunConfig.read(tables)
 
 
-def to_toml(config: RunConfig, **questions: Mapping[str, Any]) -> str:
-    """Write a configuration as `read_config` reads it, or with the keys of questions as `asked_at` does."""
-    return tables_to_toml(to_tables(config) | questions)
+def to_toml(config: RunConfig) -> str:
+    """Write a configuration as `config_at` reads it."""
+    return tables_to_toml(to_tables(config))
 
 
 def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:

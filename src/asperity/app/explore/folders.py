@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import tomllib
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -17,20 +16,18 @@ import xarray as xr
 import asperity.results as results
 from asperity.analysis.aging import summary_of
 from asperity.analysis.rows import history_rows
-from asperity.app.campaign.plan import Plan, Run, load_plan
-from asperity.app.campaign.store import QUANTITIES, Finished, Store
+from asperity.app.campaign.plan import Plan, Run, load_plan, name_of
+from asperity.app.campaign.store import Store
 from asperity.app.config import RunConfig, config_from
 from asperity.app.config.python import to_python
-from asperity.app.explore.scene import Arrays, Header, Recording, ending, recorded
-from asperity.app.runs import recorded_times
+from asperity.app.explore.scene import Arrays, Header, Recording, ending, pictured, recorded
+from asperity.app.runs import Outcome, recorded_times
+from asperity.app.runs.law import Tabulated
 from asperity.app.runs.pipeline import height_law
+from asperity.app.runs.sliding import Slid
 from asperity.base import files
-from asperity.base.readable import written
 from asperity.base.rows import words_of
 from asperity.errors import AsperityError, ConfigError, InputError, printable
-from asperity.protocols.legs import described
-from asperity.protocols.schedule import Schedule
-from asperity.results.dataset import attributes_of_solid
 from asperity.results.parameters import PARAMETERS
 from asperity.results.quantities import units_named
 
@@ -39,6 +36,14 @@ _DEEPEST, _MOST, _MOST_SEEN = 4, 500, 10_000
 
 _MOST_CURVES = 500
 """Runs of a campaign whose curves are sent."""
+
+_CURVES = ("contact_area", "area", "stiffness")
+"""What the curves are of, the first that a run has."""
+
+PICTURED: dict[str, Callable[..., Outcome]] = {"law": Tabulated, "sliding": Slid}
+"""Answers that are shown as a figure, by their questions: they have no contact that ages."""
+
+_SHOWN = ("run", "campaign", "prediction", *PICTURED)
 
 
 def inside(root: Path, name: str) -> Path:
@@ -53,15 +58,15 @@ def inside(root: Path, name: str) -> Path:
 
 
 def kind_of(folder: Path) -> str:
-    """``"run"``, ``"campaign"`` or ``"prediction"``; else empty."""
+    """The question that was answered in a folder, or ``"campaign"``; else empty."""
     if folder.suffix == ".zarr" and (folder / "heights" / "zarr.json").is_file():
         return "run"  # a history that was saved
     kind = files.kind_of(folder)
-    return kind if kind in ("run", "campaign", "prediction") else ""
+    return kind if kind in _SHOWN else ""
 
 
 def entries(root: Path) -> list[dict[str, str]]:
-    """Runs, campaigns and predictions of a folder, which may be one itself: path, kind and title."""
+    """Answers and campaigns of a folder, which may be one itself: path, kind and title."""
     listing: list[dict[str, str]] = []
     waiting, seen = deque([(root, 0)]), 0
     while waiting and len(listing) < _MOST and seen < _MOST_SEEN:
@@ -123,19 +128,33 @@ def _opened(root: Path, name: str) -> Opened:
         plan, store = load_plan(inside(root, above)), Store(inside(root, above))
         if run := plan.distinct.get(PurePosixPath(name).name):
             return Opened(None, *_of_campaign(plan, store, run, above))
-    raise InputError("path", expected="a run, a campaign or a prediction", got=printable(name))
+    raise InputError("path", expected="an answer or a campaign", got=printable(name))
 
 
 def _finished(folder: Path, job: str) -> tuple[Recording, RunConfig | None]:
     dataset = results.load(folder)
-    config = _config(str(dataset.attrs.get("config", "")))
-    recording = recorded(dataset, config, job=job, title=printable(folder.resolve().name))
+    file = folder / "config.toml"
+    text = file.read_text(encoding="utf-8") if file.exists() else str(dataset.attrs.get("config", ""))
     rows = files.marker_of(folder).get("rows")
-    if rows is None:  # a saved history, or a folder of a version that kept none
+    return _shown(dataset, _config(text), job, folder.resolve().name, rows)
+
+
+def _shown(
+    dataset: xr.Dataset, config: RunConfig | None, job: str, title: str, rows: list[tuple[str, str]] | None
+) -> tuple[Recording, RunConfig | None]:
+    """What the page gets of an answer: a history, or a figure; with the rows that its folder has, if any."""
+    title = printable(title)
+    if config is not None and config.asked in PICTURED:
+        outcome = PICTURED[config.asked](config, dataset, ())
+        return Recording(job, end=pictured(outcome, title, rows or words_of(outcome.rows()))), config
+    recording = recorded(dataset, config, job=job, title=title)
+    if rows is None:  # a saved history, a run of a campaign, or a folder of a version that kept none
         law = None if config is None else height_law(config.surface)
         rows = words_of(history_rows(dataset, summary_of(dataset, law)))
     recording.end = ending(dataset, rows)
-    return _with_python(recording, config), config
+    if config is not None and not config.asked and recording.scene is not None:
+        recording.scene["python"] = to_python(config, recorded_times(config).tolist())
+    return recording, config
 
 
 def _config(text: str) -> RunConfig | None:
@@ -143,12 +162,6 @@ def _config(text: str) -> RunConfig | None:
         return config_from(tomllib.loads(text), {}, None) if text else None
     except (ConfigError, tomllib.TOMLDecodeError):  # of another version
         return None
-
-
-def _with_python(recording: Recording, config: RunConfig | None) -> Recording:
-    if config is not None and recording.scene is not None:
-        recording.scene["python"] = to_python(config, recorded_times(config).tolist())
-    return recording
 
 
 def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Header, Arrays]:
@@ -162,62 +175,34 @@ def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Head
         row = {"id": run.identity, "state": state, "reason": failed.get(run.identity, "")}
         runs.append(row | plan.labels(run))
         if state == "done" and len(arrays) < 2 * _MOST_CURVES:
-            series = dict(zip(QUANTITIES, store.read(run).series, strict=True))
-            arrays[f"time.{run.identity}"] = np.ascontiguousarray(series["time"])
-            area = series["contact_area" if np.isfinite(series["contact_area"]).any() else "area"]
-            arrays[f"area.{run.identity}"] = np.ascontiguousarray(area)
+            dataset = store.read(run)
+            along = dataset.attrs["over"][-1]
+            shown = next(name for name in _CURVES if name in dataset)
+            arrays[f"time.{run.identity}"] = np.ascontiguousarray(dataset[along], dtype=np.float64)
+            curve = dataset[shown].transpose(..., along).values.astype(np.float64)
+            arrays[f"area.{run.identity}"] = curve.reshape(-1, curve.shape[-1])[0].copy()
     first = next((run for run in plan.runs if run.identity in done), None)
     units = {} if first is None else _units(plan, store.read(first))
     parameters = list(plan.swept)
     return {"kind": "campaign", "path": name, "parameters": parameters, "units": units, "runs": runs}, arrays
 
 
-def _units(plan: Plan, finished: Finished) -> dict[str, str]:
-    if not finished.lattice.get("si"):
-        return {}
-    units = units_named({name: unit for name, (_, unit) in finished.described.items()})
+def _units(plan: Plan, dataset: xr.Dataset) -> dict[str, str]:
+    units = units_named(
+        {str(name): str(one.attrs.get("units", "")) for name, one in dataset.variables.items()}
+    )
     dimensions = {name: PARAMETERS.get(name, ("", ""))[1] for name in plan.swept}
     return {name: units.get(dimension, dimension) for name, dimension in dimensions.items()}
 
 
-def _title(plan: Plan, run: Run, units: Mapping[str, str]) -> str:
-    labels = {name: value for name, value in plan.labels(run).items() if len(plan.swept[name]) > 1}
-    words = (
-        f"{name} = {written(value, units.get(name) or '1') if isinstance(value, int | float) else value}"
-        for name, value in labels.items()
-    )
-    return ", ".join(words) or "the run"
-
-
-def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recording, RunConfig]:
-    """One run of a campaign: its series, and its maps if it stored fields."""
-    finished = store.read(run)
-    config = _config(finished.config) or run.config
-    try:
-        dataset = store.fields(run)
-    except InputError:  # it kept none
+def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recording, RunConfig | None]:
+    """One run of a campaign, with its surface if it stored no fields."""
+    dataset = store.read(run, fields=True)
+    config = _config(dataset.attrs["config"]) or run.config
+    if "heights" not in dataset and config.asked not in PICTURED:
         rough = config.surface.build()
-        heights = rough.in_meters()[0] if finished.lattice.get("si") else rough.heights
-        dataset = xr.Dataset({"heights": (("y", "x")[2 - heights.ndim :], heights)})
-    dataset.attrs |= finished.lattice | attributes_of_solid(config.solid.build())
-    series = dict(zip(QUANTITIES, finished.series, strict=True))
-    if config.protocol:
-        dataset.attrs["protocol"] = json.dumps([described(leg) for leg in config.protocol])
-        schedule = Schedule.of(config.written_out, np.unique(series["time"]))
-        dataset.attrs["switches"] = json.dumps(schedule.switches)
-    dataset = dataset.assign_coords(time=series["time"])
-    for quantity, (long_name, unit) in finished.described.items():
-        attrs = {"long_name": long_name, "units": unit}
-        if quantity == "leg" and config.protocol:
-            dataset = dataset.assign_coords(leg=("time", series["leg"].astype(int), attrs))
-        elif quantity not in ("time", "leg"):
-            dataset[quantity] = ("time", series[quantity], attrs)
-    dataset["time"].attrs.update(long_name="hold time", units=finished.described.get("time", ("", ""))[1])
-    dataset["heights"].attrs["units"] = finished.described.get("separation", ("", ""))[1]
-    if "relaxed_area" in finished.scalars:
-        dataset.attrs["relaxed_area"] = finished.scalars["relaxed_area"]
-    recording = recorded(
-        dataset, config, job=f"{name}/{run.identity}", title=_title(plan, run, _units(plan, finished))
-    )
-    recording.end = ending(dataset, ())
-    return _with_python(recording, config), config
+        heights = rough.in_meters()[0] if dataset.attrs["si"] else rough.heights
+        attrs = {"units": dataset["separation"].attrs["units"]}
+        dataset["heights"] = ("y", "x")[2 - heights.ndim :], heights, attrs
+    title = name_of(plan, run, units=_units(plan, dataset))
+    return _shown(dataset, config, f"{name}/{run.identity}", title, None)

@@ -124,7 +124,7 @@ class Jobs:
                 if job.recording.end is not None:
                     break
         del self._jobs[job.recording.job]
-        if job.recording.end is not None and job.recording.end["kind"] == "done":
+        if job.recording.end is not None and job.recording.end["kind"] != "failed":
             self._jobs[job.recording.job] = job
         done = [name for name, one in self._jobs.items() if one.recording.end is not None]
         for name in done[:-_KEPT_RUNS]:

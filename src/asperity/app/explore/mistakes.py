@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from asperity.app.config.keys import sections
+from asperity.ask.section import KINDS
 from asperity.base.words import reason_of
 from asperity.errors import SHOWN_PROBLEMS, AsperityError, ConfigError, InputError, SurfaceFileError, brief
 
@@ -36,8 +36,8 @@ def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistak
             return said + [{"where": "", "text": line} for line in error.shown[len(said) :]]
         case InputError():
             name = error.name.removeprefix("--").replace("-", "_")
-            homes = {one: kinds.values() for one, kinds in sections().items() if one != "protocol"}
-            home = next((one for one, keys in homes.items() if any(name in kind for kind in keys)), "")
+            homes = (one for one, kinds in KINDS.items() if any(name in kind.keys for kind in kinds.values()))
+            home = next(homes, "")
             return mistake(_told(error.about(name, home, name) if home else error), home and f"{home}.{name}")
         case AsperityError():
             return mistake(brief(str(error)))

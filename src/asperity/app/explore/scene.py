@@ -13,6 +13,7 @@ import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from asperity.analysis.field_values import pressure_of
 from asperity.analysis.legs import leg_table, numbers_of
 from asperity.analysis.maps import on_the_surface
 from asperity.app.config import RunConfig, to_tables, to_toml
+from asperity.app.runs import Outcome
 from asperity.base.words import finite
 from asperity.lattice import Edges, Field, Mask
 from asperity.patches import patches
@@ -287,6 +289,22 @@ def ending(dataset: xr.Dataset, rows: Iterable[tuple[str, str]]) -> Header:
     if limit is not None:
         limit_row = {"area": int(limit), "contact_area": None if cell is None else limit * cell}
     return {"kind": "done", "limit": limit_row, "rows": list(rows)}
+
+
+def pictured(outcome: Outcome, title: str, rows: Iterable[tuple[str, str]]) -> Header:
+    """Header of the message that is an answer without a contact that ages: its figure, table and rows."""
+    (draw, *_), (table, *_) = outcome.drawings().values(), outcome.tables().values()
+    stream = BytesIO()
+    draw().savefig(stream, format="svg")
+    return {
+        "kind": "answer",
+        "title": title,
+        "config": json_tables(outcome.config),
+        "toml": to_toml(outcome.config),
+        "picture": stream.getvalue().decode(),
+        "table": table.to_csv(index=False, lineterminator="\n"),
+        "rows": list(rows),
+    }
 
 
 def most_maps(sites: int) -> int:

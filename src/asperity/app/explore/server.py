@@ -34,13 +34,15 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketClose, WebSocketDisconnect
 
 from asperity.app.config import RunConfig, config_from
-from asperity.app.config.keys import sections
+from asperity.app.config.keys import own_keys, sections
 from asperity.app.config.mistakes import Door
+from asperity.app.config.reading import question_of
 from asperity.app.explore.export import exported_page
 from asperity.app.explore.folders import Opened, entries, open_entry
 from asperity.app.explore.jobs import Job, Jobs
 from asperity.app.explore.mistakes import Shown, failed, mistake, mistakes_of
 from asperity.app.explore.scene import Arrays, Cursor, Header, Recording, pack
+from asperity.ask.questions import QUESTIONS
 from asperity.ask.run import FILES
 from asperity.base.files import without_links
 from asperity.errors import ConfigError, InputError, brief
@@ -111,7 +113,7 @@ def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
         if table != []
     }
     aging = contents.setdefault("aging", {})
-    if isinstance(aging, dict) and "times" not in aging:
+    if isinstance(aging, dict) and "times" not in aging and question_of(contents) in ("", "prediction"):
         aging.setdefault("per_decade", PER_DECADE)
     shown: Shown = {}
     for section, key in FILES.items():
@@ -284,7 +286,16 @@ class Server:
         }
         form["aging"][""]["per_decade"]["default"] = PER_DECADE
         root = self.places.root
-        return {"kind": "hello", "form": form, "folder": None if root is None else entries(root)}
+        questions = {
+            name: {
+                "keys": {key: asdict(one) for key, one in own_keys(name).items() if key not in asked.placed},
+                "unused": {section: [*keys] for section, keys in asked.unused.items()},
+                "refused": [".".join(path) for path in asked.refused],
+            }
+            for name, asked in QUESTIONS.items()
+        }
+        folder = None if root is None else entries(root)
+        return {"kind": "hello", "form": form, "questions": questions, "folder": folder}
 
     async def open(self, path: str) -> Opened:
         """Open what the folder holds."""
@@ -338,7 +349,8 @@ def _title(config: RunConfig) -> str:
     surface = config.surface
     sites = "" if surface.lattice is None else f", {' x '.join(map(str, surface.lattice))}"
     named = surface.file.name if surface.file else surface.kind.replace("_", " ")
-    return f"{named}{sites} on a {config.solid.kind.replace('_', ' ')}"
+    asked = f"{config.asked}: " if config.asked else ""
+    return f"{asked}{named}{sites} on a {config.solid.kind.replace('_', ' ')}"
 
 
 class OwnPagesOnly:

@@ -10,17 +10,18 @@ import contextlib
 import os
 import pickle
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from queue import SimpleQueue
 from time import perf_counter
 
 from asperity.aging import Frame
 from asperity.app.config import RunConfig, to_toml
 from asperity.app.config.python import to_python
+from asperity.app.explore.folders import PICTURED
 from asperity.app.explore.mistakes import Shown, failed, mistakes_of
-from asperity.app.explore.scene import Header, Recording, ending, mapped, of_frame, started
-from asperity.app.runs import Progress, execute
+from asperity.app.explore.scene import Header, Recording, ending, mapped, of_frame, pictured, started
+from asperity.app.runs import Progress, answer
 from asperity.app.runs.loops import compile_loops
-from asperity.app.runs.words import run_rows
 from asperity.ask.run import FILES
 from asperity.base.machine import end_with
 from asperity.base.rows import Row, remarks, words_of
@@ -86,7 +87,8 @@ class _Teller(Progress):
         if self._recording.scene is None:
             written = self._config.but(output=self._asked.output)
             page, user = (_renamed(written, self._shown, which) for which in (0, 1))
-            texts = {"toml": to_toml(user), "python": to_python(user, list(self._times))}
+            python = "" if user.asked else to_python(user, list(self._times))
+            texts = {"toml": to_toml(user), "python": python}
             self._recording.begin(started(frame, written), page, self._title, last_time=written.end, **texts)
             scene: Header = self._recording.scene or {}
             moments = [*scene["switches"], *(written.output.maps_at or ())]
@@ -101,14 +103,18 @@ class _Teller(Progress):
 def _computed(tell: Tell, config: RunConfig, shown: Shown, title: str) -> Header:
     begun, teller = perf_counter(), _Teller(tell, config, shown, title)
     # The page takes its maps from the moments as they come, unless an instrument looks at those of the run.
-    if config.output.maps_at is None and not config.output.instrument:
+    if not config.asked and config.output.maps_at is None and not config.output.instrument:
         output = config.output.but(maps_at=[])
         config = config.but(output=output)
     try:
-        outcome = execute(config, teller)
+        outcome = answer(config, teller)
+        rows = [*outcome.rows(), Row("cost", f"{perf_counter() - begun:.1f} s"), *remarks(*outcome.remarks)]
+        if config.asked in PICTURED:
+            outcome = replace(outcome, config=_renamed(outcome.config, shown, 0))
+            toml = to_toml(_renamed(outcome.config, shown, 1))
+            return pictured(outcome, title, words_of(rows)) | {"toml": toml}
     except BrokenPipeError:
         raise
     except Exception as error:  # said to the user, in the page
         return failed(mistakes_of(error, shown))
-    rows = [*run_rows(outcome), Row("cost", f"{perf_counter() - begun:.1f} s"), *remarks(*outcome.remarks)]
     return ending(outcome.dataset, words_of(rows))

@@ -1,55 +1,73 @@
-"""From the configuration of a run to the law of its contact."""
+"""From the file of a run to the law of its contact."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from asperity.app.config import RunConfig
-from asperity.app.runs.pipeline import Outcome, check_units, completed, unused
-from asperity.ask.run import Aging, Contact, Friction, Output
+from asperity.app.runs.outcome import Outcome
+from asperity.app.runs.pipeline import completed
 from asperity.base.calls import remarks_made
+from asperity.base.rows import Row
 from asperity.contact_law import law
-from asperity.errors import InputError
-from asperity.progress import Progress
+from asperity.contact_law.programs import FILES, Program, law_for
+from asperity.contact_law.rows import rows_of
+from asperity.progress import Checkpoint, Progress
 
-_UNUSED = {
-    "solid": ("draws",),
-    "contact": tuple(Contact.keys),
-    "aging": ("first", "last", "per_decade", "hold"),
-    "friction": tuple(Friction.keys),
-    "output": ("maps_at", "pixel", "blur", "threshold"),
-}
-"""Keys that a law does not use, by section."""
+if TYPE_CHECKING:
+    from asperity.figures import Drawing
 
 
-def law_of_config(config: RunConfig, progress: Progress, **asked: Any) -> Outcome:
-    """Tabulate the law of a configuration's surface and solid at its times, with arguments of `asperity.law`.
+class Tabulated(Outcome):
+    """A law."""
 
-    A half-space of one Poisson's ratio has a tangential stiffness, too. The outcome's configuration gives
-    the same law.
+    over = ("direction", "time", "pressure")
+
+    def rows(self) -> list[Row]:
+        """See `Outcome`."""
+        return rows_of(self.dataset)
+
+    def drawings(self) -> dict[str, Callable[[], Drawing]]:
+        """See `Outcome`."""
+        from asperity.figures import law_figure
+
+        return {"law": lambda: law_figure(self.dataset)}
+
+    def write(
+        self,
+        folder: Path,
+        *,
+        programs: Sequence[Program] = (),
+        age: str | None = None,
+        millimeters: bool = False,
+        **_: Any,
+    ) -> None:
+        """Write also files for other programs."""
+        super().write(folder)
+        for program in programs:
+            for direction in self.dataset["direction"].values.tolist():
+                text = law_for(program, self.dataset, age=age, direction=direction, millimeters=millimeters)
+                prefix = "" if direction == "loading" else f"{direction}_"
+                (folder / f"{prefix}{FILES[program]}").write_text(text, encoding="utf-8")
+
+
+def tabulate(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | None = None) -> Tabulated:
+    """Tabulate the law of a configuration's surface and solid at its times.
+
+    A half-space of one Poisson's ratio has a tangential stiffness, too.
     """
-    for name, value in (("[[protocol]]", config.protocol), ("[output] measured", config.output.measured)):
-        if value:
-            expected, advice = "none for a law, whose pressures are held", "asperity run"
-            raise InputError(name, expected=expected, got="some", advice=advice)
     solid, surface = config.solid.build(), config.surface.scan
     progress.stage("reading the scan")
     scan = surface.build()
     if solid.in_lengths:
         scan.in_meters()
-    check_units(config, solid, scan)
-    carried = config.carried.but(**{"stiffness": True} if solid.half_space else {})
-    config = config.but(surface=surface, carried=carried)
-    rtol = config.aging.rtol
-    asked |= {"times": config.aging.times, "carried": config.carries, "rtol": rtol}
+    if solid.half_space:
+        config = config.but(carried=config.carried.but(stiffness=True))
+    asked = {"times": config.aging.times, "carried": config.carries, "rtol": config.aging.rtol}
     with remarks_made() as made:
-        dataset = law(solid, scan, progress=progress, **asked)
-    pressed = Contact(pressure=float(dataset["pressure"][-1]))  # without one, `completed` would choose a load
-    used, remarks = completed(config.but(contact=pressed), solid, scan)
-    update: dict[str, Any] = {"contact": Contact(), "friction": Friction()}
-    update |= {
-        "output": Output(figures=config.output.figures),
-        "aging": Aging(times=dataset["time"].values.tolist(), rtol=rtol),
-    }
-    remarks = (*dict.fromkeys((*remarks, *made)), *unused(config, "a law", _UNUSED))
-    return Outcome(used.but(**update), dataset, None, remarks)
+        dataset = law(solid, scan, progress=progress, checkpoint=checkpoint, **vars(config.own) | asked)
+    config, remarks = completed(config.but(surface=surface), solid, scan)
+    aging = config.aging.but(times=dataset["time"].values.tolist())
+    return Tabulated(config.but(aging=aging), dataset, (*dict.fromkeys((*remarks, *made)),))

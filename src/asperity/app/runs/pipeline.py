@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from asperity.aging.legs import check_slides
 from asperity.aging.memory import bytes_a_site
-from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
+from asperity.analysis import AgingSummary, aging_summary, contact_maps, observe, with_limit
 from asperity.app.config import MeasuredSurface, RunConfig, to_toml
 from asperity.app.runs import defaults
 from asperity.app.runs.defaults import map_times
+from asperity.app.runs.outcome import Outcome, table_of
+from asperity.app.runs.words import run_rows
 from asperity.ask.run import Contact as ContactSection
 from asperity.ask.surface import SurfaceSection
-from asperity.base.calls import remarks_made
+from asperity.base.calls import remark, remarks_made
 from asperity.base.machine import require
 from asperity.base.readable import written
+from asperity.base.rows import Row
 from asperity.base.words import InUnits, written_with_units
 from asperity.carried import check_half_space
 from asperity.contact.bodies import bodies_of
@@ -34,6 +38,7 @@ from asperity.progress import Progress
 from asperity.protocols import Ramp
 from asperity.protocols.schedule import Schedule
 from asperity.results import Checkpoint
+from asperity.results.quantities import RUN, select
 from asperity.results.tabor import add_friction
 from asperity.simulate import age, pressed, relax
 from asperity.solids import Solid
@@ -41,31 +46,111 @@ from asperity.surfaces import Surface
 from asperity.theory import ExponentialHeights, GaussianHeights
 from asperity.theory.heights import HeightLaw
 
+if TYPE_CHECKING:
+    from asperity.figures import Drawing
+
 _REMARKED_SEAM = 3.0
 """Ratio of a step at the periodic seam to a usual one, above which a remark is made."""
+
+_MOST_MAPS = 24
+"""Maps that one figure shows."""
+
+_FITTED = {"fit_a": "a", "fit_q": "q", "fit_t0": "t0", "fit_C": "(a - 1) q"}
+"""Numbers of the saturation law, and how they are named."""
 
 _SOFT = 1e-7
 """Least hardness and shear strength, over the modulus."""
 
-_DRAWS = {"solid": ("draws",)}
-"""Keys that only a prediction uses, by section."""
-
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
-    """The results of a run, and remarks on choices and on missing results.
+class History(Outcome):
+    """A history; under a protocol, where the area follows no law of growth, without a summary."""
 
-    Its configuration is complete: reading it again gives the same result. Under a protocol, where the area
-    follows no law of growth, there is no summary.
-    """
+    summary: AgingSummary | None = None
 
-    config: RunConfig
-    dataset: xr.Dataset
-    summary: AgingSummary | None
-    remarks: tuple[str, ...]
+    def numbers(self) -> dict[str, tuple[tuple[()], float, dict[str, str]]]:
+        """Sites, what is held, ends of the area, the relaxed state, and the fit of the saturation law."""
+        dataset, fit = self.dataset, None if self.summary is None else self.summary.fit
+        attrs = dataset.attrs
+        units = {str(name): str(one.attrs.get("units", "")) for name, one in dataset.variables.items()}
+        named = {name: str(dataset[name].attrs["long_name"]) for name in select("series") if name in dataset}
+        found = {
+            "sites": (attrs["sites"], "sites of the lattice", "sites"),
+            "held": (attrs[f"held_{attrs['held']}"], "what is held at first", units[attrs["held"]]),
+            "initial_area": (dataset["area"][0], f"{named['area']}, at time 0", units["area"]),
+            "final_area": (dataset["area"][-1], f"{named['area']}, at the last time", units["area"]),
+            "worst_residual": (dataset["residual"].max(), "largest residual of all entries", "1"),
+        }
+        for name in ("area", "load", "separation", "energy", "residual"):
+            relaxed = attrs.get(f"relaxed_{name}", np.nan)
+            found[f"relaxed_{name}"] = relaxed, f"{named[name]}, relaxed", units[name]
+        for name, meaning in _FITTED.items() if fit is not None else ():
+            unit, of_law = units["time"] if name == "fit_t0" else "1", f"{meaning} of the saturation law"
+            value, error = (getattr(fit, name.removeprefix("fit_") + end) for end in ("", "_stderr"))
+            found[name] = value, of_law, unit
+            found[f"{name}_uncertainty"] = error, f"{of_law}, standard error of the fit", unit
+        if fit is not None:
+            found["fit_misfit"] = fit.rms_residual, "rms misfit of the saturation law", "1"
+        return {
+            name: ((), float(value), {"long_name": meaning, "units": unit})
+            for name, (value, meaning, unit) in found.items()
+            if np.isfinite(value)
+        }
+
+    def rows(self) -> list[Row]:
+        """Rows on surface, solid and history."""
+        return run_rows(self.config, self.dataset, self.summary)
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """The series, and the patches of the maps."""
+        dataset = self.dataset
+        if dataset["load"][0] > 0:  # else the first area is that of first touch, and no measure of growth
+            dataset = dataset.assign(area_ratio=(dataset["area"] / dataset["area"][0]).drop_attrs(deep=False))
+        names = [name for name in select("series", "coordinate", table=RUN) if name in dataset.variables]
+        if "area_ratio" in dataset:
+            names.insert(names.index("area") + 1, "area_ratio")
+        aging = table_of({name: dataset[name] for name in names})
+        return {"aging": aging} | ({"patches": _patch_table(dataset)} if "patches" in dataset else {})
+
+    def drawings(self) -> dict[str, Callable[[], Drawing]]:
+        """History, sliding, carried quantities, maps and patches, as far as there are."""
+        from asperity import figures
+
+        dataset, summary, measured = self.dataset, self.summary, self.config.output.measured
+        drawn: dict[str, Callable[[], Drawing]] = {}
+        if summary is None:
+            drawn["history"] = lambda: figures.history_figure(dataset, measured)
+        elif summary.time.size:
+            drawn["aging"] = lambda: figures.aging_curve(dataset, summary, measured)
+        if "displacement" in dataset:
+            drawn["sliding"] = lambda: figures.sliding_figure(dataset)
+        if "normal_stiffness" in dataset and dataset.sizes["time"] > 1:
+            drawn["carried"] = lambda: figures.carried_figure(dataset)
+        if maps := dataset.sizes.get("field_time", 0):
+            shown = dataset
+            if maps > _MOST_MAPS:
+                shown = dataset.isel(
+                    field_time=[n * (maps - 1) // (_MOST_MAPS - 1) for n in range(_MOST_MAPS)]
+                )
+                remark(f"contacts shows {_MOST_MAPS} of {maps} maps; history.zarr holds all")
+            drawn["contacts"] = lambda: figures.contact_figure(contact_maps(shown))
+        if maps > 1:
+            drawn["patches"] = lambda: figures.patch_figure(dataset)
+        return drawn
 
 
-def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | None = None) -> Outcome:
+def _patch_table(dataset: xr.Dataset) -> pd.DataFrame:
+    columns = {"time": dataset["field_time"]}
+    for name in select("map", table=RUN):
+        if name in dataset and "quantile" in dataset[name].dims:
+            for share in dataset["quantile"].values.tolist():
+                columns[f"{name}_{100 * share:g}_percent"] = dataset[name].sel(quantile=share)
+        elif name in dataset:
+            columns[name] = dataset[name]
+    return table_of(columns)
+
+
+def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | None = None) -> History:
     """Run the engine's verbs one after the other; `AsperityError` as these raise it."""
     solid = config.solid.build()
     if config.surface.lattice is not None:
@@ -83,10 +168,9 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
     if config.carries is not None:
         check_half_space("carried", solid, bodies.lattice)
     config, remarks = completed(config, solid, rough)
-    remarks += unused(config, "a run")
     progress.completed(config)
-    for remark in remarks:
-        progress.remark(remark)
+    for text in remarks:
+        progress.remark(text)
     progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
     contact = pressed(rough, solid, **config.contact.table)
     if contact.area == 0:
@@ -120,14 +204,14 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
     )
     remarks += (*dict.fromkeys(made), *remarks_on_history(rough, solid, dataset, contacts))
     if config.protocol:
-        return Outcome(config, dataset.assign_attrs(config=to_toml(config)), None, remarks)
+        return History(config, dataset.assign_attrs(config=to_toml(config)), remarks)
     progress.stage("finding the relaxed state")
     try:
         dataset = with_limit(dataset, relax(contact, hold=config.aging.hold))
     except (InputError, ConvergenceError, PulledOff) as error:  # the history is worth keeping all the same
         remarks += (f"no relaxed state: {error}",)
     dataset = dataset.assign_attrs(config=to_toml(config))
-    return Outcome(config, dataset, aging_summary(dataset, law=height_law(config.surface)), remarks)
+    return History(config, dataset, remarks, aging_summary(dataset, law=height_law(config.surface)))
 
 
 def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> None:
@@ -194,14 +278,14 @@ def _odd_numbers(config: RunConfig, modulus: float | None, rough: Surface) -> tu
 
 
 def completed(config: RunConfig, solid: Solid, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
-    """Complete a configuration by a load, times and times of maps, with absolute paths; and remarks."""
-    chosen = config.surface.anywhere()
+    """Complete a configuration by a load, times and times of maps, without what is not used; and remarks."""
+    chosen = config.surface
     assumed = (config.solid.assumed,) if config.solid.assumed else ()
     remarks = (*remarks_on_bodies(rough, solid), *_odd_numbers(config, solid.modulus, rough), *assumed)
     contact = config.contact
-    if not contact.table:
-        contact, remark = _usual_contact(config, solid, rough)
-        remarks += (remark,)
+    if not contact.table and "contact" not in config.unused:
+        contact, said = _usual_contact(config, solid, rough)
+        remarks += (said,)
     if rough.has_lengths and not solid.in_lengths:
         remarks += (
             f"springs have no units: heights count as numbers of {rough.unit}, sites are 1 apart, and the "
@@ -226,32 +310,13 @@ def completed(config: RunConfig, solid: Solid, rough: Surface) -> tuple[RunConfi
         case (Ramp() as up, *_) if contact.load == 0 and config.aging.times is not None:
             end = written(up.duration, "s") if rough.has_lengths else f"{up.duration:g}"
             remarks += remark_on_loading(config.aging.times, up.duration, end)
-    maps_at = config.output.maps_at
-    if maps_at is None:
-        maps_at = _map_times(config)
-    aging = config.aging
+    output, aging = config.output, config.aging
+    if output.maps_at is None:
+        output = output.but(maps_at=_map_times(config))
     if aging.times is None:
         ends = dict(zip(("first", "last"), config.span, strict=True))
         aging = aging.but(**{"first": ends["first"]} if config.protocol else ends)
-    completed = {
-        "surface": chosen,
-        "solid": config.solid.resolved(),
-        "contact": contact,
-        "aging": aging,
-        "output": config.output.but(maps_at=maps_at),
-    }
-    return config.but(**completed), remarks
-
-
-def unused(config: RunConfig, name: str, keys: Mapping[str, Iterable[str]] = _DRAWS) -> tuple[str, ...]:
-    """Remark on the keys of a configuration, among these of each section, that a computation does not use."""
-    idle = [
-        f"[{section}] {key}"
-        for section, unused_keys in keys.items()
-        for key, value in vars(getattr(config, section)).items()
-        if key in unused_keys and key in getattr(config, section).stated and value is not None
-    ]
-    return (f"{name} does not use {', '.join(idle)}",) if idle else ()
+    return config.but(contact=contact, aging=aging, output=output).used, (*remarks, *config.remarks)
 
 
 def _usual_contact(config: RunConfig, solid: Solid, rough: Surface) -> tuple[ContactSection, str]:
@@ -259,8 +324,8 @@ def _usual_contact(config: RunConfig, solid: Solid, rough: Surface) -> tuple[Con
     if solid.modulus is not None:
         pressure = defaults.modest_pressure(modulus=solid.modulus, slope=rough.describe().rms_slope)
         shown = written(pressure, "Pa") if rough.has_lengths else f"{pressure:g}"
-        remark = f"no load was given: took a mean pressure of {shown} = 0.005 E* x rms slope"
-        return ContactSection(pressure=pressure), remark
+        said = f"no load was given: took a mean pressure of {shown} = 0.005 E* x rms slope"
+        return ContactSection(pressure=pressure), said
     # The nominal rms, where there is one: surfaces of different seeds then bear the same load.
     nominal = getattr(config.surface, "rms", None)
     rms, which = (rough.describe().rms_height, ", measured") if nominal is None else (nominal, "")
@@ -268,8 +333,8 @@ def _usual_contact(config: RunConfig, solid: Solid, rough: Surface) -> tuple[Con
         raise InputError("load", expected="a load or a separation", got="none", cure={"load": 1})
     sites = int(np.isfinite(rough.heights).sum())
     load = defaults.modest_load(k0=springs.k0, k1=springs.k1, rms=rms, sites=sites)
-    remark = f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}"
-    return ContactSection(load=load), remark
+    said = f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}"
+    return ContactSection(load=load), said
 
 
 def recorded_times(config: RunConfig) -> Field:

@@ -1,58 +1,51 @@
-"""From the configuration of a run to friction and contact area against speed."""
+"""From the file of a run to friction and contact area against speed."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from asperity.app.config import RunConfig
-from asperity.app.runs.pipeline import Outcome, check_units, completed, unused, without_copies
-from asperity.ask.run import Aging, Carried, Output
+from asperity.app.runs.outcome import Outcome
+from asperity.app.runs.pipeline import check_units, completed, without_copies
 from asperity.base.calls import remarks_made
-from asperity.errors import InputError
+from asperity.base.rows import Row
 from asperity.progress import Checkpoint, Progress
 from asperity.sliding import steady_sliding
+from asperity.sliding.rows import rows_of
 
-_UNUSED = {
-    "solid": ("draws",),
-    "aging": tuple(Aging.keys),
-    "carried": tuple(Carried.keys),
-    "output": ("maps_at", "measured", "pixel", "blur", "threshold"),
-}
-"""Keys that steady sliding does not use, by section."""
+if TYPE_CHECKING:
+    from asperity.figures import Drawing
 
 
-def sliding_of_config(
-    config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | None = None, **asked: Any
-) -> Outcome:
-    """Slide a configuration's surface over its solid, with arguments of `asperity.steady_sliding`.
+class Slid(Outcome):
+    """Friction and contact area over speeds."""
 
-    It takes seconds a speed, and keeps no checkpoint. The outcome's configuration gives the same curve.
-    """
+    over = ("speed",)
+
+    def rows(self) -> list[Row]:
+        """See `Outcome`."""
+        return rows_of(self.dataset)
+
+    def drawings(self) -> dict[str, Callable[[], Drawing]]:
+        """See `Outcome`."""
+        from asperity.figures import steady_sliding_figure
+
+        return {"sliding": lambda: steady_sliding_figure(self.dataset)}
+
+
+def slide(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | None = None) -> Slid:
+    """Slide a configuration's surface over its solid; it takes seconds a speed, and keeps no checkpoint."""
     del checkpoint
-    if config.protocol:
-        expected, advice = "none for steady sliding, which is at a speed for ever", "asperity run"
-        raise InputError("[[protocol]]", expected=expected, got="some", advice=advice)
-    if config.contact.separation is not None:
-        expected, path = "a load or a pressure, under which the profile slides", ("contact", "separation")
-        raise InputError("separation", expected=expected, got=config.contact.separation, path=path)
-    held: dict[str, Any] = {name: load for name, load in config.contact.table.items() if load}
-    if not held:
-        path = ("contact", "pressure")
-        raise InputError("pressure", expected="a pressure or a load", got="neither", path=path)
     material, surface = config.solid.material, without_copies(config)
     progress.stage("reading the scan")
     scan = surface.build()
     check_units(config, material.solid, scan)
-    not_used = unused(config, "steady sliding", _UNUSED)
+    held = {name: load for name, load in config.contact.table.items() if load}
+    law = config.friction.strength
     config, remarks = completed(config.but(surface=surface), material.solid, scan)
     with remarks_made() as made:
         dataset = steady_sliding(
-            material, scan, shear_strength=config.friction.strength, progress=progress, **held, **asked
+            material, scan, shear_strength=law, progress=progress, **held, **vars(config.own)
         )
-    output = Output(figures=config.output.figures)
-    return Outcome(
-        config.but(aging=Aging(), carried=Carried(), output=output),
-        dataset,
-        None,
-        (*dict.fromkeys((*remarks, *made)), *not_used),
-    )
+    return Slid(config, dataset, (*dict.fromkeys((*remarks, *made)),))

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import xarray as xr
 
+from asperity.analysis import AgingSummary
 from asperity.analysis.rows import history_rows
 from asperity.app.config import RunConfig
-from asperity.app.runs.pipeline import Outcome
 from asperity.ask.surface import SurfaceSection
 from asperity.base.readable import written
 from asperity.base.rows import Row
@@ -18,28 +18,28 @@ from asperity.results.quantities import Units, units_named
 _ELECTRONVOLT = 1.602176634e-19
 
 
-def run_rows(outcome: Outcome) -> list[Row]:
+def run_rows(config: RunConfig, dataset: xr.Dataset, summary: AgingSummary | None) -> list[Row]:
     """Rows on surface, solid and results."""
-    table, protocol = getattr(outcome.config.solid, "fit", None), outcome.config.protocol
+    table, protocol = getattr(config.solid, "fit", None), config.protocol
     read = filter(None, ("" if table is None else table.data.source, getattr(protocol, "read", "")))
     return [
-        Row("surface", _surface(outcome)),
+        Row("surface", _surface(config, dataset)),
         *(Row("read", source) for source in read),
-        Row("solid", _solid(outcome.config, outcome.dataset)),
-        *history_rows(outcome.dataset, outcome.summary),
+        Row("solid", _solid(config, dataset)),
+        *history_rows(dataset, summary),
     ]
 
 
-def _surface(outcome: Outcome) -> str:
-    chosen = outcome.config.surface.table
+def _surface(config: RunConfig, dataset: xr.Dataset) -> str:
+    chosen = config.surface.table
     if chosen["kind"] == "file":
-        lattice = " x ".join(str(n) for n in outcome.dataset["heights"].shape)
+        lattice = " x ".join(str(n) for n in dataset["heights"].shape)
         silent = ("kind", "path", "max_undefined", "channel", "resample", "despike")
         rules = ", ".join(f"{k} = {_word(value, ' ')}" for k, value in chosen.items() if k not in silent)
         rules += ", resampled" if chosen["resample"] else ""
         rules += ", spikes filled" if chosen["despike"] else ""
         return f"{Path(chosen['path']).name}: {lattice} sites ({rules})"
-    return described(outcome.config.surface)
+    return described(config.surface)
 
 
 def described(surface: SurfaceSection) -> str:

@@ -12,6 +12,32 @@ function showFolder(entries) {
   }));
 }
 
+/** Show an answer without a contact that ages: its figure, its rows, and what one takes of it. */
+function showAnswer({ title, config, toml, picture, table, rows }) {
+  busy(false);
+  app.scene = app.earlier = null;
+  stopPlaying();
+  address(app.wanted);
+  if (app.form && app.wanted?.kind === "open") app.form.write(config);
+  document.title = `${title} · Asperity`;
+  byId("title").textContent = title;
+  document.body.dataset.scene = "no";
+  byId("failure").textContent = "";
+  const image = new Blob([picture], { type: "image/svg+xml" }), button = (name, click) => {
+    const made = element("button", { type: "button" }, name);
+    made.addEventListener("click", click);
+    return made;
+  };
+  byId("answer").replaceChildren(
+    element("img", { src: URL.createObjectURL(image), alt: `Figure: ${title}` }),
+    element("p", { className: "row" }, button("Picture (SVG)", () => save(image, "asperity.svg")),
+      button("Table (CSV)", () => save(new Blob([table], { type: "text/csv" }), "asperity.csv")),
+      button("Configuration (TOML)", () => save(new Blob([toml], { type: "text/plain" }), "config.toml"))),
+    element("table", {}, ...rows.map(([name, text]) => element("tr", {}, element("th", { scope: "row" }, name), element("td", {}, text)))),
+  );
+  byId("answer").hidden = false;
+}
+
 function forgetCampaign() {
   app.runs = [];
   app.campaign = null;

@@ -5,17 +5,30 @@ const EVERYDAY = {
   surface: ["kind", "shape", "size", "rms", "hurst", "path", "seed"],
   solid: ["kind", "k0", "k1", "R", "modulus", "poisson", "thickness", "branches", "base_modulus", "base_poisson"],
   contact: ["load", "pressure", "separation"],
-  aging: ["last", "per_decade"],
+  aging: ["last", "per_decade", "times"],
   friction: ["shear_strength"],
+  prediction: ["ramp"],
+  law: ["pressures", "per_decade"],
+  sliding: ["speeds", "per_decade", "direction"],
 };
-const TITLES = { surface: "Rough surface", solid: "Solid", contact: "What presses", aging: "Times", friction: "Friction" };
+const TITLES = {
+  surface: "Rough surface", solid: "Solid", contact: "What presses", aging: "Times", friction: "Friction",
+  prediction: "Prediction", law: "Law", sliding: "Sliding",
+};
 const LEFT_OUT = { aging: ["times"] };
-
 const POLYMER = {
   surface: { kind: "spectral", shape: [256, 256], hurst: 0.8, rms_height: 1e-6, spacing: [4e-6], cutoff: 4e-5, unit: "m", seed: 1 },
   solid: { kind: "half_space", modulus: 3e9, branches: [[0.3, 1], [0.3, 1000]] },
   contact: { pressure: 1e6 },
 };
+// Questions: what they are called, what their button says, and what they begin with.
+const QUESTIONS = {
+  "": ["A contact that ages", "Press and age", {}],
+  prediction: ["Its growth with 95 % bands", "Predict", { contact: POLYMER.contact }],
+  law: ["Stiffness against pressure", "Tabulate", { law: { pressures: [1e5, 1e7] }, aging: { times: [0, 1000] } }],
+  sliding: ["Friction against speed", "Slide", { sliding: { speeds: [1e-6, 1] }, contact: POLYMER.contact }],
+};
+
 // What a solid that needs more begins with: a film of that polymer, on glass.
 const FILM = { poisson: 0.35, thickness: 1e-4, base_modulus: 7e10, base_poisson: 0.2 };
 
@@ -29,8 +42,11 @@ const EXAMPLES = [
 ];
 
 class Form {
-  constructor(place, description) {
+  constructor(place, description, questions) {
+    for (const [name, { keys }] of Object.entries(questions)) description[name] = { "": keys };
     this.description = description;
+    this.questions = questions;
+    this.question = "";
     this.place = place;
     this.values = {}; // section -> key -> text or switch, kept when the kind changes
     this.kinds = {};
@@ -38,6 +54,9 @@ class Form {
     this.output = {};
     this.note = ""; // what was changed with the kind of the solid
     this.chosen = null; // the configuration of the run shown, with nothing left open
+    const choice = element("select", { id: "question" }, ...Object.entries(QUESTIONS).map(([value, [title]]) => element("option", { value }, title)));
+    choice.addEventListener("change", () => this.ask(choice.value));
+    place.append(element("div", { className: "field" }, element("label", { htmlFor: "question" }, "What to find"), choice));
     for (const [section, kinds] of Object.entries(description)) {
       if (!(section in EVERYDAY)) continue;
       this.kinds[section] = Object.keys(kinds)[0];
@@ -48,8 +67,22 @@ class Form {
     }
   }
 
+  /** The keys of a section that the question uses. */
   keys(section, kind = this.kinds[section]) {
-    return Object.values(this.description[section][kind]).filter((key) => !LEFT_OUT[section]?.includes(key.name));
+    const { unused = {}, refused = [] } = this.questions[this.question] ?? {};
+    if (section in this.questions && section !== this.question) return [];
+    const left = this.question === "law" ? [] : LEFT_OUT[section];
+    return Object.values(this.description[section][kind]).filter(({ name }) => !(left?.includes(name) || unused[section]?.includes(name) || refused.includes(`${section}.${name}`)));
+  }
+
+  /** Ask another question, of a solid and with numbers that it can have. */
+  ask(question) {
+    this.question = question;
+    if (question && !this.hasModulus()) for (const section of ["surface", "solid", "contact"]) this.take(section, POLYMER[section]);
+    for (const [section, given] of Object.entries(QUESTIONS[question][2])) {
+      if (!Object.values(this.values[section]).some(Boolean)) this.give(section, given);
+    }
+    this.write(this.read());
   }
 
   /** Whether the numbers of a solid are in SI: springs between sites have no modulus. */
@@ -61,6 +94,7 @@ class Form {
   fill(section) {
     const box = byId(`section-${section}`), opened = box.querySelector("details")?.open;
     while (box.children.length > 1) box.lastChild.remove();
+    box.hidden = !this.keys(section).length;
     const kinds = Object.keys(this.description[section]);
     if (kinds.length > 1) {
       const chosen = element("select", { id: `${section}.kind` }, ...kinds.map((kind) => element("option", { value: kind }, kind.replaceAll("_", " "))));
@@ -126,9 +160,9 @@ class Form {
         if (value !== null && !same(value, key.default)) found[key.name] = value;
       }
       if (this.protocol.length && section === "aging") for (const name of ["last", "hold", "times"]) delete found[name];
-      if (Object.keys(found).length) config[section] = found;
+      if (Object.keys(found).length || section === this.question) config[section] = found;
     }
-    if (this.protocol.length) config.protocol = this.protocol;
+    if (this.protocol.length && !this.questions[this.question]?.refused.includes("protocol.")) config.protocol = this.protocol;
     if (Object.keys(this.output).length) config.output = this.output;
     return config;
   }
@@ -136,6 +170,9 @@ class Form {
   /** Show a configuration, whole or as differences from the defaults. */
   write(config) {
     this.note = "";
+    this.question = Object.keys(this.questions).find((name) => name in config) ?? "";
+    byId("question").value = this.question;
+    byId("press").textContent = QUESTIONS[this.question][1];
     for (const section of Object.keys(this.values)) this.take(section, config[section] || {});
     for (const section of Object.keys(this.values)) this.fill(section);
     const { maps_at: _maps, figures: _figures, measured: _measured, ...output } = config.output || {};

@@ -16,7 +16,7 @@ const ARRIVALS = {
   hello(header) {
     document.body.dataset.live = "yes";
     if (!app.form) {
-      app.form = new Form(byId("sections"), header.form);
+      app.form = new Form(byId("sections"), header.form, header.questions);
       showFolder(header.folder);
       begin(header.folder);
     } else if (app.wanted && (app.busy || !app.scene)) ask(app.wanted);
@@ -47,9 +47,11 @@ const ARRIVALS = {
     document.title = `${header.title} · Asperity`;
     byId("title").textContent = header.title;
     document.body.dataset.scene = "yes";
+    byId("answer").hidden = true;
     byId("failure").textContent = "";
     showText();
   },
+  answer(header) { showAnswer(header); },
   rows(header, message, buffer) {
     if (!app.scene || header.job !== app.scene.job) return;
     app.scene.add(buffer, message);
@@ -294,7 +296,7 @@ async function start() {
   if (recording) {
     for (const buffer of await unpackMessages(recording.textContent.trim())) receive(buffer);
     document.querySelector('[data-save="page"]').hidden = true;
-    choose(app.scene.maps.length - 1);
+    if (app.scene) choose(app.scene.maps.length - 1);
   } else {
     app.live = true;
     connect();
