@@ -16,6 +16,7 @@ from asperity.aging.constant_area import ConstantArea
 from asperity.aging.controller import Controller
 from asperity.aging.separable import SeparableSteps
 from asperity.aging.tr_bdf2 import Origin, State, Steps
+from asperity.contact.bodies import Bodies
 from asperity.contact.contact import Contact
 from asperity.contact.problem import Solution
 from asperity.contact.publish import contact_from
@@ -41,7 +42,7 @@ class Frame:
         Number of the leg of the history that it belongs to, from 0.
     solved_by
         Kind of the time steps that led here: "exact" (see `asperity.aging.separable`), "springs" (by
-        multigrid), "fields" (by Fourier modes, also where cycles got nowhere) or "laws"; "" for none.
+        multigrid), "fields" (by Fourier modes, also where cycles got nowhere), "slides" or "laws"; "" for none.
     displacement, velocity
         Length that the rough surface has slid since the start, and how fast it slides in this leg.
     shift
@@ -56,6 +57,8 @@ class Frame:
         Whether the bodies part just after it, for adhesion bears no more, and the history ends.
     ages
         Ages of the sites in contact, for a shear strength that grows with them; they age on after it.
+    steps_on
+        Steps from which a slide goes on.
     """
 
     time: float
@@ -74,6 +77,7 @@ class Frame:
     passing: bool = False
     parted: bool = False
     ages: Ages | None = None
+    steps_on: Steps | None = None
 
     @cached_property
     def hysteresis_friction(self) -> float:
@@ -124,10 +128,10 @@ class Counts:
     iterations: int = 0
 
 
-def published(start: Contact, now: Steps, state: State, origin: Origin, counts: Counts) -> Frame:
+def published(start: Bodies, now: Steps, state: State, origin: Origin, counts: Counts) -> Frame:
     """The present state of what a contact has become, in exact equilibrium."""
     system, (u, anchors, position, _) = now.system.at(now.time), state
     solution = Solution(u, u <= system.heights, counts.iterations, 0)
     contact = contact_from(system, solution, anchors, position, bodies=start)
     approach = now.approach(origin, contact.separation)
-    return Frame(now.time, contact, approach, **vars(counts), solved_by=now.kind)
+    return Frame(now.time, contact, approach, **vars(counts), solved_by=now.kind, steps_on=now)

@@ -18,6 +18,7 @@ from asperity.aging.field_steps import FieldSteps
 from asperity.aging.frames import Counts, Frame, Midway, published
 from asperity.aging.local_steps import LocalSteps
 from asperity.aging.separable import SeparableSteps
+from asperity.aging.slide_steps import SlideSteps
 from asperity.aging.spring_steps import SpringSteps
 from asperity.aging.tr_bdf2 import Aim, Origin, Steps
 from asperity.base import checks
@@ -64,8 +65,10 @@ TUNING = Tuning()
 
 AfterStep = Callable[[Callable[[], Midway], float, Steps], None]
 
-KINDS: Any = {kind.kind: kind for kind in (SeparableSteps, LocalSteps, SpringSteps, FieldSteps)}
-"""Kinds of time steps by name; the first that suits is taken."""
+_SUITING: Any = SeparableSteps, LocalSteps, SpringSteps, FieldSteps
+"""Kinds of time steps, of which the first that suits is taken."""
+
+_KINDS: Any = {kind.kind: kind for kind in (*_SUITING, SlideSteps)}
 
 
 def creep(
@@ -79,6 +82,7 @@ def creep(
     exact: bool = True,
     deformation: float = 0.0,
     fading: bool = False,
+    steps: Steps | None = None,
     midway: Midway | None = None,
     after_step: AfterStep | None = None,
 ) -> Iterator[Frame]:
@@ -96,6 +100,8 @@ def creep(
         What errors are relative to at least, length.
     fading
         Whether an error counts by what is left of it at the next of the times, as long as a solid forgets.
+    steps
+        Steps at time 0 that go on, in place of those that suit the contact.
     midway
         Go on from here, above the same surface, with all other arguments as at first.
     after_step
@@ -113,19 +119,24 @@ def creep(
         contact = contact.resting_on(arrays["heights"], arrays["indentation"])
         system = contact.system(control).lowered(arrays["obstacle"])
     else:
-        system = contact.system(control)
+        system = contact.system(control) if steps is None else steps.system
     if keep_area and contact.area < (fewest := constant_area.TUNING.fewest_sites) and midway is None:
         expected = f"at least {fewest} sites in contact to keep the area"
         raise InputError("hold", expected=expected, got=contact.area, advice="a larger surface or more load")
     fading = fading and not (system.yields or system.sticks)  # these remember for good
     march = _March(contact, chosen_solver(solver, system), rtol, fading, after_step)
     if midway is None:
-        march.begin(system, exact, keep_area, deformation)
+        march.begin(system, exact, keep_area, deformation, steps)
     else:
         march.resume(system, midway)
         stops = stops[stops >= midway.time]
     march.now.check(stops)
     return march.frames(stops, from_start=midway is None)
+
+
+def fading_tolerance(rtol: float) -> float:
+    """Error that one time step may have whose error fades, in deformations."""
+    return step_tolerance(TUNING.fading * rtol)
 
 
 def check_rtol(rtol: float) -> float:
@@ -188,20 +199,25 @@ class _March:
         self.counts = Counts()
         return frame
 
-    def begin(self, system: System, exact: bool, keep_area: bool, deformation: float) -> None:
+    def begin(
+        self, system: System, exact: bool, keep_area: bool, deformation: float, steps: Steps | None
+    ) -> None:
         """At the start."""
         start = self.start
         if keep_area:  # the load falls, so that no contact is exact
             self.area = ConstantArea(float(start.area), 0.0, system.control.value, float(start.area))
-        kinds = [kind for kind in KINDS.values() if kind is not SeparableSteps or (exact and not keep_area)]
+        kinds = [kind for kind in _SUITING if kind is not SeparableSteps or (exact and not keep_area)]
         # A kind that does not suit this solid begins with nothing.
-        self.now = next(filter(None, (kind.begin(system, self.solver, start) for kind in kinds)))
+        self.now = steps or next(filter(None, (kind.begin(system, self.solver, start) for kind in kinds)))
         if self.fading and self.now.fades:
-            self.controller.tolerance = step_tolerance(TUNING.fading * self.rtol)
+            self.controller.tolerance = fading_tolerance(self.rtol)
         self.deformation = 0.0
         self.raise_deformation()
         # The first step follows what creeps here, however large a deformation errors are measured by.
-        self.controller.begin(self.deformation, self.now.speed())
+        if isinstance(self.now, SlideSteps):
+            self.controller.length = self.now.length
+        else:
+            self.controller.begin(self.deformation, self.now.speed())
         self.deformation = max(self.deformation, deformation)
 
     def resume(self, system: System, midway: Midway) -> None:
@@ -211,7 +227,7 @@ class _March:
         self.deformation, self.parting = midway.deformation, midway.parting
         if self.area is not None:
             system = replace(system, control=Load(self.area.load))
-        self.now = KINDS[midway.kind](system, self.solver, midway.resume_state)
+        self.now = _KINDS[midway.kind](system, self.solver, midway.resume_state)
         self.extent = self.now.extent()
 
     def midway(self) -> Midway:
