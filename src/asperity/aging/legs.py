@@ -160,7 +160,7 @@ class _Way:
         if not (n and isinstance(steps, SlideSteps)):
             system = contact.system()
             solver = chosen_solver(self.solver, system)
-            if not SlideSteps.suits(system, solver) or contact.has_not_crept:
+            if not SlideSteps.suits(system, solver):
                 return self.shifted(shift, by), None
             steps = SlideSteps.resting(system, solver, contact)
         heights, deformation = self.heights_at(shift, by), float(steps.point.u.std())

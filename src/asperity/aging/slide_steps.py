@@ -48,9 +48,6 @@ class Tuning:
     origin: float = 0.05
     """Where logarithms of time begin after a shift, over the length of the first step."""
 
-    excess: float = 0.2
-    """What the error is of its estimate, which is that of a worse polynomial."""
-
     places: int = 24
     """Pieces of a step on which u is linear."""
 
@@ -177,7 +174,7 @@ class SlideSteps(FieldSteps):
             error[mechanics.lattice.mean] = 0.0
         if self.time == 0:
             self.length = math.inf if aim.left == 0 else duration
-        return Attempt(TUNING.excess * mechanics.rms(error), spent)
+        return Attempt(mechanics.rms(error), spent)
 
     def remembered(self, duration: float) -> list[Memory]:
         """What is remembered at the times of a step; the last is what that may be wrong by at its end."""
