@@ -20,7 +20,7 @@ from asperity.contact.bodies import Bodies
 from asperity.contact.contact import Contact
 from asperity.contact.problem import Solution
 from asperity.contact.publish import contact_from
-from asperity.contact.waves import friction_of_slopes, slope_of, unit_vector, waves_along
+from asperity.contact.waves import friction_of_slopes, slope_along
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,8 @@ class Frame:
         Number of the leg of the history that it belongs to, from 0.
     solved_by
         Kind of the time steps that led here: "exact" (see `asperity.aging.separable`), "springs" (by
-        multigrid), "fields" (by Fourier modes, also where cycles got nowhere), "slides" or "laws"; "" for none.
+        multigrid), "fields" (by Fourier modes, also where cycles got nowhere), "slides" (the same between
+        shifts) or "laws"; "" for none.
     displacement, velocity
         Length that the rough surface has slid since the start, and how fast it slides in this leg.
     shift
@@ -85,7 +86,7 @@ class Frame:
         contact = self.contact
         if not self.way:
             return math.nan
-        slope = slope_of(waves_along(contact.lattice, unit_vector(contact.lattice, self.way)))
+        slope = slope_along(contact.lattice, self.way)
         return friction_of_slopes(contact.lattice, slope, contact.heights, contact.u, contact.force)
 
     @property

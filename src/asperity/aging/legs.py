@@ -250,7 +250,6 @@ class _Way:
             solver=self.solver,
             exact=self.exact,
             deformation=deformation,
-            fading=shifts > 0,
             steps=steps,
             midway=None if resume is None else resume.midway,
             after_step=keep,

@@ -54,10 +54,10 @@ class Tuning:
     """Part of the time of a march to which it is known when bodies part."""
 
     fading: float = 5.0
-    """Factor on rtol for steps whose errors fade: those before a shift are forgotten after it.
+    """Factor on rtol for steps of a slide, whose errors fade: those before a shift are forgotten after it.
 
-    Then u0 errs by 0.05 to 0.35 of rtol over 20 shifts of half-spaces with four branches, at 32 x 32 and
-    128 x 128 sites and speeds over four decades; without it by 0.03 to 0.08.
+    Then u0 errs by 0.1 to 0.8 of rtol, at rtol from 1e-4 to 2e-3, over 3 to 20 shifts of half-spaces with
+    three or four branches, on 24 x 24 to 64 x 64 sites, at speeds over four decades.
     """
 
 
@@ -81,8 +81,7 @@ def creep(
     solver: ContactSolver | None = None,
     exact: bool = True,
     deformation: float = 0.0,
-    fading: bool = False,
-    steps: Steps | None = None,
+    steps: SlideSteps | None = None,
     midway: Midway | None = None,
     after_step: AfterStep | None = None,
 ) -> Iterator[Frame]:
@@ -98,10 +97,8 @@ def creep(
         Whether the load changes so that the area stays what it is; ``control`` is then the load at first.
     deformation
         What errors are relative to at least, length.
-    fading
-        Whether an error counts by what is left of it at the next of the times, as long as a solid forgets.
     steps
-        Steps at time 0 that go on, in place of those that suit the contact.
+        Those after a shift, at time 0, in place of those that suit the contact.
     midway
         Go on from here, above the same surface, with all other arguments as at first.
     after_step
@@ -123,8 +120,7 @@ def creep(
     if keep_area and contact.area < (fewest := constant_area.TUNING.fewest_sites) and midway is None:
         expected = f"at least {fewest} sites in contact to keep the area"
         raise InputError("hold", expected=expected, got=contact.area, advice="a larger surface or more load")
-    fading = fading and not (system.yields or system.sticks)  # these remember for good
-    march = _March(contact, chosen_solver(solver, system), rtol, fading, after_step)
+    march = _March(contact, chosen_solver(solver, system), rtol, after_step)
     if midway is None:
         march.begin(system, exact, keep_area, deformation, steps)
     else:
@@ -163,10 +159,9 @@ class _March:
         start: Contact,
         solver: ContactSolver,
         rtol: float,
-        fading: bool,
         after_step: AfterStep | None,
     ) -> None:
-        self.start, self.solver, self.fading, self.after_step = start, solver, fading, after_step
+        self.start, self.solver, self.after_step = start, solver, after_step
         self.rtol, self.controller = rtol, Controller(step_tolerance(rtol))
         self.passing = max(TOLERANCE, TUNING.passing * rtol)
         self.area: ConstantArea | None = None
@@ -200,7 +195,7 @@ class _March:
         return frame
 
     def begin(
-        self, system: System, exact: bool, keep_area: bool, deformation: float, steps: Steps | None
+        self, system: System, exact: bool, keep_area: bool, deformation: float, steps: SlideSteps | None
     ) -> None:
         """At the start."""
         start = self.start
@@ -209,15 +204,13 @@ class _March:
         kinds = [kind for kind in _SUITING if kind is not SeparableSteps or (exact and not keep_area)]
         # A kind that does not suit this solid begins with nothing.
         self.now = steps or next(filter(None, (kind.begin(system, self.solver, start) for kind in kinds)))
-        if self.fading and self.now.fades:
-            self.controller.tolerance = fading_tolerance(self.rtol)
         self.deformation = 0.0
         self.raise_deformation()
         # The first step follows what creeps here, however large a deformation errors are measured by.
-        if isinstance(self.now, SlideSteps):
-            self.controller.length = self.now.length
-        else:
+        if steps is None:
             self.controller.begin(self.deformation, self.now.speed())
+        else:
+            self.controller = Controller(fading_tolerance(self.rtol), steps.length)
         self.deformation = max(self.deformation, deformation)
 
     def resume(self, system: System, midway: Midway) -> None:
@@ -284,8 +277,7 @@ class _March:
                 continue
             if self.area:
                 self.now.system = replace(self.now.system, control=self.area.load_for(length))
-            left = stop - time - length if self.fading else 0.0
-            attempt = self.now.attempt(length, self.aim(landing or self.parting, left))
+            attempt = self.now.attempt(length, self.aim(landing or self.parting, stop - time - length))
             failure = attempt.failure
             self.parting |= isinstance(failure, PulledOff)
             self.counts.iterations += attempt.iterations

@@ -31,7 +31,7 @@ from asperity.aging.tr_bdf2 import Aim, Arrays, Attempt, extrapolation
 from asperity.contact.choice import solved
 from asperity.contact.contact import Contact
 from asperity.contact.mechanics import ImplicitStep
-from asperity.contact.problem import TOLERANCE, Accuracy, ContactSolver, Guess
+from asperity.contact.problem import Accuracy, ContactSolver, Guess
 from asperity.contact.stencils import combined
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError
@@ -184,9 +184,10 @@ class SlideSteps(FieldSteps):
             origin = self.time + TUNING.origin * (self.origin or duration)
             times = [0.0, *(duration * node for node in TUNING.nodes)]
             memories = [Memory.of(self.rates, times[: n + 2], origin) for n in range(len(TUNING.nodes))]
+            none = np.zeros_like(self.rates)
             first, *others = Memory.of(self.rates, [0.0, *times[2:]], origin).weights
-            weights = zip(memories[-1].weights, [first, 0.0, *others], strict=True)
-            rough = Memory(np.zeros_like(self.rates), [fine - coarse for fine, coarse in weights])
+            weights = zip(memories[-1].weights, [first, none, *others], strict=True)
+            rough = Memory(none, [fine - coarse for fine, coarse in weights])
             self.memories[key] = [*memories, rough]
         return self.memories[key]
 
