@@ -194,9 +194,12 @@ class SlideSteps(FieldSteps):
     def summed(self, memory: Memory) -> Modes:
         """Modes of what is remembered of the start and of the surfaces tried; all from the body's place."""
         mean, start = self.system.mechanics.lattice.mean, self.point
-        anchors = memory.kept * (start.modes - start.stretch)
+        anchors = np.empty_like(start.stretch)
+        for branch, total in enumerate(anchors):  # one by one, which stays in the cache
+            np.multiply(memory.kept[branch], start.modes - start.stretch[branch], out=total)
+            for weight, point in zip(memory.weights, self.tried, strict=False):
+                total += weight[branch] * point.modes
         for weight, point in zip(memory.weights, self.tried, strict=False):
-            anchors += weight * point.modes
             anchors[mean] -= weight[mean] * ((point.position - start.position) * self.system.sites)
         return anchors
 
