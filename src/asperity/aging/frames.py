@@ -40,10 +40,6 @@ class Frame:
         previous frame.
     leg
         Number of the leg of the history that it belongs to, from 0.
-    solved_by
-        Kind of the time steps that led here: "exact" (see `asperity.aging.separable`), "springs" (by
-        multigrid), "fields" (by Fourier modes, also where cycles got nowhere), "slides" (the same between
-        shifts) or "laws"; "" for none.
     displacement, velocity
         Length that the rough surface has slid since the start, and how fast it slides in this leg.
     shift
@@ -59,7 +55,7 @@ class Frame:
     ages
         Ages of the sites in contact, for a shear strength that grows with them; they age on after it.
     steps_on
-        Steps from which a slide goes on.
+        The time steps that led here, from which a slide goes on; None after a jump.
     """
 
     time: float
@@ -69,7 +65,6 @@ class Frame:
     rejected: int
     iterations: int
     leg: int = 0
-    solved_by: str = ""
     displacement: float = 0.0
     velocity: float = 0.0
     shift: tuple[Fraction, ...] = ()
@@ -95,9 +90,18 @@ class Frame:
         return self.hysteresis_friction / (self.contact.load or math.nan)
 
     @property
+    def solved_by(self) -> str:
+        """Kind of the time steps that led here, or "".
+
+        "exact" (see `asperity.aging.separable`), "springs" (by multigrid), "fields" (by Fourier modes, also
+        where cycles got nowhere), "slides" (the same between shifts) or "laws".
+        """
+        return "" if self.steps_on is None else self.steps_on.kind
+
+    @property
     def exact(self) -> bool:
         """Whether the contacts have no error of time steps."""
-        return self.solved_by == SeparableSteps.kind
+        return isinstance(self.steps_on, SeparableSteps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,4 +139,4 @@ def published(start: Bodies, now: Steps, state: State, origin: Origin, counts: C
     solution = Solution(u, u <= system.heights, counts.iterations, 0)
     contact = contact_from(system, solution, anchors, position, bodies=start)
     approach = now.approach(origin, contact.separation)
-    return Frame(now.time, contact, approach, **vars(counts), solved_by=now.kind, steps_on=now)
+    return Frame(now.time, contact, approach, **vars(counts), steps_on=now)

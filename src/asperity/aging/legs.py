@@ -157,6 +157,8 @@ class _Way:
     ) -> tuple[Contact, SlideSteps | None]:
         """The contact just after the shift number n of a slide, and steps that go on if such suit it."""
         contact, steps = self.now.contact, self.now.steps_on
+        if not contact.force.any():
+            return self.shifted(shift, by), None
         if not (n and isinstance(steps, SlideSteps)):
             system = contact.system()
             solver = chosen_solver(self.solver, system)
@@ -175,11 +177,11 @@ class _Way:
     def at_once(self, contact: Contact, place: Frame, slip: float = 0.0) -> Frame:
         """The frame of a contact that was pressed instantly, at a place, to which it slipped in no time."""
         approach = self.now.approach + self.now.contact.separation - contact.separation
-        spent: dict[str, Any] = {"steps": 0, "rejected": 0, "iterations": contact.iterations, "solved_by": ""}
+        spent: dict[str, Any] = {"steps": 0, "rejected": 0, "iterations": contact.iterations}
         if self.ages is not None:
             self.ages.slip(self.now.shift, place.shift, slip)
             self.ages.touch(contact.in_contact)
-        self.now = replace(place, contact=contact, approach=approach, **spent)
+        self.now = replace(place, contact=contact, approach=approach, steps_on=None, **spent)
         return self.now
 
     def slide(

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from asperity.aging.field_steps import FieldSteps, Point
 from asperity.aging.tr_bdf2 import Aim, Arrays, Attempt, extrapolation
+from asperity.contact import instantaneous
 from asperity.contact.choice import solved
 from asperity.contact.contact import Contact
 from asperity.contact.mechanics import ImplicitStep
@@ -50,9 +51,6 @@ class Tuning:
 
     places: int = 24
     """Pieces of a step on which u is linear."""
-
-    strict: float = 0.01
-    """Part of the tolerance to which a shift is solved where anchors cannot balance what is left."""
 
     kept: int = 8
     """Steps of different lengths whose weights are kept, as those of the next shift have the same."""
@@ -111,10 +109,10 @@ class SlideSteps(FieldSteps):
         self.surfaces, self.past = list(arrays["surfaces"]), list(arrays["past"])
         self.length, self.iterations = float(arrays["length"]), 0
         self.memories: dict[tuple[float, float], list[Memory]] = {}
-        self.rates, branches = system.mechanics.spectra.rate, system.mechanics.solid.branches
-        if all(branch.mobility is None for branch in branches):  # one rate at all waves
-            rates = np.array([1 / branch.time for branch in branches])
-            self.rates = np.expand_dims(rates, tuple(range(1, self.rates.ndim)))
+        self.rates = rates = system.mechanics.spectra.rate
+        fastest = rates.max(axis=tuple(range(1, rates.ndim)), keepdims=True)
+        if system.body.stiffness == 0 and (rates == fastest).reshape(len(rates), -1)[:, 1:].all():
+            self.rates = fastest  # the same at all waves, and nothing creeps at wave vector 0
 
     @classmethod
     def resting(cls, system: System, solver: ContactSolver, start: Contact) -> SlideSteps:
@@ -148,7 +146,7 @@ class SlideSteps(FieldSteps):
         now.point = Point(u, start.modes, start.stretch, start.position + drop)
         now.tried = [now.point]
         if not self.eager:  # the anchors cannot balance what is left
-            accuracy = Accuracy(TUNING.strict * accuracy.residual)
+            accuracy = Accuracy(instantaneous.TUNING.strict * accuracy.residual)
         now.iterations = now.reach(system.mechanics.implicit_step(0.0), anchors, u, accuracy)
         now.accept(0.0)
         return now
@@ -178,10 +176,12 @@ class SlideSteps(FieldSteps):
 
     def remembered(self, duration: float) -> list[Memory]:
         """What is remembered at the times of a step; the last is what that may be wrong by at its end."""
-        if (key := (self.time, duration)) not in self.memories:
+        # Equal shifts last equally long but for rounding.
+        begun, duration = key = float(f"{self.time:.12g}"), float(f"{duration:.12g}")
+        if key not in self.memories:
             if len(self.memories) == TUNING.kept:
                 self.memories.clear()
-            origin = self.time + TUNING.origin * (self.origin or duration)
+            origin = begun + TUNING.origin * (self.origin or duration)
             times = [0.0, *(duration * node for node in TUNING.nodes)]
             memories = [Memory.of(self.rates, times[: n + 2], origin) for n in range(len(TUNING.nodes))]
             none = np.zeros_like(self.rates)
