@@ -137,14 +137,18 @@ def test_contact_counts_at_a_tenth_of_the_tolerance(rough, k1, p):
 
 
 @pytest.mark.parametrize("speed", [1e-2, 1e2])
-def test_slides_keep_rtol_though_errors_of_steps_fade(speed):
+@pytest.mark.parametrize("apparatus", [None, 1.0])
+def test_slides_keep_rtol_though_errors_of_steps_fade(speed, apparatus):
     rough = asp.surfaces.spectral((24, 24), roll_off=12.0, cutoff=4.0, rms_slope=0.2, seed=1)
     branches = [(0.3, 1e-3), (0.3, 1e-1), (0.3, 10.0)]
-    solid = asp.solids.half_space(modulus=1.0, branches=branches)
-    contact = asp.press(rough, solid, load=2.0)
-    ends = [
-        asp.age(contact, [0.0], protocol=asp.protocols.Slide(3.0, speed), rtol=rtol) for rtol in (2e-3, 1e-4)
-    ]
-    found, right = (end.final.u0 for end in ends)
-    deformation = ends[1].final.u.std()
-    assert math.sqrt(np.mean((found - right) ** 2)) < 0.5 * 2e-3 * deformation
+    contact = asp.press(
+        rough, asp.solids.half_space(modulus=1.0, branches=branches, apparatus=apparatus), load=2.0
+    )
+    slide = asp.protocols.Slide(3.0, speed)
+    usual, right = (asp.age(contact, [0.0], protocol=slide, rtol=rtol) for rtol in (2e-3, 1e-4))
+    deformation = right.final.u.std()
+    error = usual.final.anchors - right.final.anchors  # at wave vector 0, too, where anchors may stand still
+    assert math.sqrt(np.mean(error**2)) < 0.5 * 2e-3 * deformation
+    assert np.count_nonzero(usual.final.in_contact ^ right.final.in_contact) <= 1
+    # A step between two shifts, and one more where errors ask for it.
+    assert usual["steps"].values.sum() <= 3 * 2

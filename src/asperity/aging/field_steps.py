@@ -43,7 +43,7 @@ class FieldSteps(TrBdf2):
     that were tried.
     """
 
-    kind, through, fades = "fields", 2, True
+    kind, through = "fields", 2
     implicit: ImplicitStep
 
     def __init__(self, system: System, solver: ContactSolver, arrays: Arrays) -> None:
@@ -153,8 +153,6 @@ class FieldSteps(TrBdf2):
     def filtered_error(self, shares: Sequence[float]) -> float:
         """See `TrBdf2` and the module."""
         step, system = self.implicit, self.system
-        if self.left > step.tau:  # one implicit step fades them by less than they fade
-            step = system.mechanics.implicit_step(self.left)
         error = self._combined(0.0, (0.0, 0.0, 0.0), shares)
         u, stiffness = np.einsum("b...,b...->...", step.damped_stiffness, error), step.stiffness
         if system.load is not None:  # the load decides the mean

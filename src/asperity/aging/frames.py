@@ -16,10 +16,11 @@ from asperity.aging.constant_area import ConstantArea
 from asperity.aging.controller import Controller
 from asperity.aging.separable import SeparableSteps
 from asperity.aging.tr_bdf2 import Origin, State, Steps
+from asperity.contact.bodies import Bodies
 from asperity.contact.contact import Contact
 from asperity.contact.problem import Solution
 from asperity.contact.publish import contact_from
-from asperity.contact.waves import friction_of_slopes, slope_of, unit_vector, waves_along
+from asperity.contact.waves import friction_of_slopes, slope_along
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,9 +40,6 @@ class Frame:
         previous frame.
     leg
         Number of the leg of the history that it belongs to, from 0.
-    solved_by
-        Kind of the time steps that led here: "exact" (see `asperity.aging.separable`), "springs" (by
-        multigrid), "fields" (by Fourier modes, also where cycles got nowhere) or "laws"; "" for none.
     displacement, velocity
         Length that the rough surface has slid since the start, and how fast it slides in this leg.
     shift
@@ -56,6 +54,8 @@ class Frame:
         Whether the bodies part just after it, for adhesion bears no more, and the history ends.
     ages
         Ages of the sites in contact, for a shear strength that grows with them; they age on after it.
+    steps_on
+        The time steps that led here, from which a slide goes on; None after a jump.
     """
 
     time: float
@@ -65,7 +65,6 @@ class Frame:
     rejected: int
     iterations: int
     leg: int = 0
-    solved_by: str = ""
     displacement: float = 0.0
     velocity: float = 0.0
     shift: tuple[Fraction, ...] = ()
@@ -74,6 +73,7 @@ class Frame:
     passing: bool = False
     parted: bool = False
     ages: Ages | None = None
+    steps_on: Steps | None = None
 
     @cached_property
     def hysteresis_friction(self) -> float:
@@ -81,7 +81,7 @@ class Frame:
         contact = self.contact
         if not self.way:
             return math.nan
-        slope = slope_of(waves_along(contact.lattice, unit_vector(contact.lattice, self.way)))
+        slope = slope_along(contact.lattice, self.way)
         return friction_of_slopes(contact.lattice, slope, contact.heights, contact.u, contact.force)
 
     @property
@@ -90,9 +90,18 @@ class Frame:
         return self.hysteresis_friction / (self.contact.load or math.nan)
 
     @property
+    def solved_by(self) -> str:
+        """Kind of the time steps that led here, or "".
+
+        "exact" (see `asperity.aging.separable`), "springs" (by multigrid), "fields" (by Fourier modes, also
+        where cycles got nowhere), "slides" (the same between shifts) or "laws".
+        """
+        return "" if self.steps_on is None else self.steps_on.kind
+
+    @property
     def exact(self) -> bool:
         """Whether the contacts have no error of time steps."""
-        return self.solved_by == SeparableSteps.kind
+        return isinstance(self.steps_on, SeparableSteps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,10 +133,10 @@ class Counts:
     iterations: int = 0
 
 
-def published(start: Contact, now: Steps, state: State, origin: Origin, counts: Counts) -> Frame:
+def published(start: Bodies, now: Steps, state: State, origin: Origin, counts: Counts) -> Frame:
     """The present state of what a contact has become, in exact equilibrium."""
     system, (u, anchors, position, _) = now.system.at(now.time), state
     solution = Solution(u, u <= system.heights, counts.iterations, 0)
     contact = contact_from(system, solution, anchors, position, bodies=start)
     approach = now.approach(origin, contact.separation)
-    return Frame(now.time, contact, approach, **vars(counts), solved_by=now.kind)
+    return Frame(now.time, contact, approach, **vars(counts), steps_on=now)

@@ -17,14 +17,17 @@ import numpy as np
 import scipy
 
 from asperity.aging.ages import Ages
-from asperity.aging.frames import Frame, Midway
-from asperity.aging.march import creep
-from asperity.aging.tr_bdf2 import Steps
+from asperity.aging.frames import Counts, Frame, Midway, published
+from asperity.aging.march import TUNING, creep, fading_tolerance
+from asperity.aging.slide_steps import SlideSteps
+from asperity.aging.tr_bdf2 import Origin, Steps
 from asperity.base import checks
+from asperity.contact.bodies import Bodies
+from asperity.contact.choice import chosen_solver
 from asperity.contact.contact import Contact, control_of
 from asperity.contact.controls import Control, Course, Load, Separation
 from asperity.contact.instantaneous import check_whole, pressed_anew, slid
-from asperity.contact.problem import ContactSolver
+from asperity.contact.problem import TOLERANCE, Accuracy, ContactSolver
 from asperity.errors import InputError, PulledOff
 from asperity.lattice import Field, Lattice
 from asperity.protocols import Leg
@@ -140,19 +143,45 @@ class _Way:
 
     def shifted(self, shift: tuple[Fraction, ...], by: tuple[Fraction, ...]) -> Contact:
         """The contact when the heights have come to a place, by a last shift."""
+        return slid(self.now.contact, self.heights_at(shift, by), by, self.solver)
+
+    def heights_at(self, shift: tuple[Fraction, ...], by: tuple[Fraction, ...]) -> Field:
+        """The heights when they have come to a place, by a last shift."""
         contact, heights, way = self.now.contact, self.contact.heights, shift
         if all(sites.denominator == 1 for sites in (*shift, *by)):  # exact, and heights may have yielded
             heights, way = contact.heights, by
-        return slid(contact, contact.lattice.shifted(heights, way), by, self.solver)
+        return contact.lattice.shifted(heights, way)
+
+    def shift(
+        self, n: int, shift: tuple[Fraction, ...], by: tuple[Fraction, ...]
+    ) -> tuple[Contact, SlideSteps | None]:
+        """The contact just after the shift number n of a slide, and steps that go on if such suit it."""
+        contact, steps = self.now.contact, self.now.steps_on
+        if not contact.force.any():
+            return self.shifted(shift, by), None
+        if not (n and isinstance(steps, SlideSteps)):
+            system = contact.system()
+            solver = chosen_solver(self.solver, system)
+            if not SlideSteps.suits(system, solver):
+                return self.shifted(shift, by), None
+            steps = SlideSteps.resting(system, solver, contact)
+        heights, deformation = self.heights_at(shift, by), float(steps.point.u.std())
+        accuracy = Accuracy(TOLERANCE, TUNING.published * fading_tolerance(self.rtol) * deformation)
+        steps = steps.shifted(heights, [round(sites) for sites in by], accuracy)
+        if (state := steps.state()).moved > self.rtol * deformation:  # more than the solver was to leave
+            return self.shifted(shift, by), None
+        facts = contact.lattice, contact.solid, contact.surface, contact.si, contact.permanent_indentation
+        counts = Counts(iterations=steps.iterations)
+        return published(Bodies(heights, *facts), steps, state, Origin(0.0), counts).contact, steps
 
     def at_once(self, contact: Contact, place: Frame, slip: float = 0.0) -> Frame:
         """The frame of a contact that was pressed instantly, at a place, to which it slipped in no time."""
         approach = self.now.approach + self.now.contact.separation - contact.separation
-        spent: dict[str, Any] = {"steps": 0, "rejected": 0, "iterations": contact.iterations, "solved_by": ""}
+        spent: dict[str, Any] = {"steps": 0, "rejected": 0, "iterations": contact.iterations}
         if self.ages is not None:
             self.ages.slip(self.now.shift, place.shift, slip)
             self.ages.touch(contact.in_contact)
-        self.now = replace(place, contact=contact, approach=approach, **spent)
+        self.now = replace(place, contact=contact, approach=approach, steps_on=None, **spent)
         return self.now
 
     def slide(
@@ -162,23 +191,33 @@ class _Way:
         begun, end = span
         lasting, start = shifts.length / leg.speed, self.now
         for n in range(0 if resume is None else resume.shifts - 1, shifts.count):
-            last, since = n + 1 == shifts.count, begun + n * lasting
+            steps, last, since = None, n + 1 == shifts.count, begun + n * lasting
             moved = replace(_moved(start, shifts, n + 1), leg=number, velocity=leg.speed)
             if resume is None:
                 recorded = n % leg.every == 0 or (last and lasting == 0)
                 place = replace(moved, time=since, at_a_shift=recorded, passing=lasting == 0 and not last)
                 slip = 0.0 if lasting else shifts.length
-                yield self.at_once(self.shifted(moved.shift, shifts.sites), place, slip)
+                if lasting:
+                    contact, steps = self.shift(n, moved.shift, shifts.sites)
+                else:
+                    contact = self.shifted(moved.shift, shifts.sites)
+                yield self.at_once(contact, place, slip)
             else:
                 self.now = moved
                 self.resume()
             if lasting > 0:
                 span = since, end if last else begun + (n + 1) * lasting
-                yield from self.creep(leg, number, span, resume, n + 1)
+                yield from self.creep(leg, number, span, resume, n + 1, steps)
             resume = None
 
     def creep(
-        self, leg: Leg, number: int, span: tuple[float, float], resume: LegMidway | None, shifts: int = 0
+        self,
+        leg: Leg,
+        number: int,
+        span: tuple[float, float],
+        resume: LegMidway | None,
+        shifts: int = 0,
+        steps: SlideSteps | None = None,
     ) -> Iterator[Frame]:
         """March through a span of time."""
         now, (begun, end), deformation = self.now, span, 0.0
@@ -213,7 +252,7 @@ class _Way:
             solver=self.solver,
             exact=self.exact,
             deformation=deformation,
-            fading=shifts > 0,
+            steps=steps,
             midway=None if resume is None else resume.midway,
             after_step=keep,
         )

@@ -18,6 +18,7 @@ from asperity.aging.field_steps import FieldSteps
 from asperity.aging.frames import Counts, Frame, Midway, published
 from asperity.aging.local_steps import LocalSteps
 from asperity.aging.separable import SeparableSteps
+from asperity.aging.slide_steps import SlideSteps
 from asperity.aging.spring_steps import SpringSteps
 from asperity.aging.tr_bdf2 import Aim, Origin, Steps
 from asperity.base import checks
@@ -53,10 +54,10 @@ class Tuning:
     """Part of the time of a march to which it is known when bodies part."""
 
     fading: float = 5.0
-    """Factor on rtol for steps whose errors fade: those before a shift are forgotten after it.
+    """Factor on rtol for steps of a slide, whose errors fade: those before a shift are forgotten after it.
 
-    Then u0 errs by 0.05 to 0.35 of rtol over 20 shifts of half-spaces with four branches, at 32 x 32 and
-    128 x 128 sites and speeds over four decades; without it by 0.03 to 0.08.
+    Then u0 errs by 0.1 to 0.8 of rtol, at rtol from 1e-4 to 2e-3, over 3 to 20 shifts of half-spaces with
+    three or four branches, on 24 x 24 to 64 x 64 sites, at speeds over four decades.
     """
 
 
@@ -64,8 +65,10 @@ TUNING = Tuning()
 
 AfterStep = Callable[[Callable[[], Midway], float, Steps], None]
 
-KINDS: Any = {kind.kind: kind for kind in (SeparableSteps, LocalSteps, SpringSteps, FieldSteps)}
-"""Kinds of time steps by name; the first that suits is taken."""
+_SUITING: Any = SeparableSteps, LocalSteps, SpringSteps, FieldSteps
+"""Kinds of time steps, of which the first that suits is taken."""
+
+_KINDS: Any = {kind.kind: kind for kind in (*_SUITING, SlideSteps)}
 
 
 def creep(
@@ -78,7 +81,7 @@ def creep(
     solver: ContactSolver | None = None,
     exact: bool = True,
     deformation: float = 0.0,
-    fading: bool = False,
+    steps: SlideSteps | None = None,
     midway: Midway | None = None,
     after_step: AfterStep | None = None,
 ) -> Iterator[Frame]:
@@ -94,8 +97,8 @@ def creep(
         Whether the load changes so that the area stays what it is; ``control`` is then the load at first.
     deformation
         What errors are relative to at least, length.
-    fading
-        Whether an error counts by what is left of it at the next of the times, as long as a solid forgets.
+    steps
+        Those after a shift, at time 0, in place of those that suit the contact.
     midway
         Go on from here, above the same surface, with all other arguments as at first.
     after_step
@@ -113,19 +116,23 @@ def creep(
         contact = contact.resting_on(arrays["heights"], arrays["indentation"])
         system = contact.system(control).lowered(arrays["obstacle"])
     else:
-        system = contact.system(control)
+        system = contact.system(control) if steps is None else steps.system
     if keep_area and contact.area < (fewest := constant_area.TUNING.fewest_sites) and midway is None:
         expected = f"at least {fewest} sites in contact to keep the area"
         raise InputError("hold", expected=expected, got=contact.area, advice="a larger surface or more load")
-    fading = fading and not (system.yields or system.sticks)  # these remember for good
-    march = _March(contact, chosen_solver(solver, system), rtol, fading, after_step)
+    march = _March(contact, chosen_solver(solver, system), rtol, after_step)
     if midway is None:
-        march.begin(system, exact, keep_area, deformation)
+        march.begin(system, exact, keep_area, deformation, steps)
     else:
         march.resume(system, midway)
         stops = stops[stops >= midway.time]
     march.now.check(stops)
     return march.frames(stops, from_start=midway is None)
+
+
+def fading_tolerance(rtol: float) -> float:
+    """Error that one time step may have whose error fades, in deformations."""
+    return step_tolerance(TUNING.fading * rtol)
 
 
 def check_rtol(rtol: float) -> float:
@@ -152,10 +159,9 @@ class _March:
         start: Contact,
         solver: ContactSolver,
         rtol: float,
-        fading: bool,
         after_step: AfterStep | None,
     ) -> None:
-        self.start, self.solver, self.fading, self.after_step = start, solver, fading, after_step
+        self.start, self.solver, self.after_step = start, solver, after_step
         self.rtol, self.controller = rtol, Controller(step_tolerance(rtol))
         self.passing = max(TOLERANCE, TUNING.passing * rtol)
         self.area: ConstantArea | None = None
@@ -188,20 +194,23 @@ class _March:
         self.counts = Counts()
         return frame
 
-    def begin(self, system: System, exact: bool, keep_area: bool, deformation: float) -> None:
+    def begin(
+        self, system: System, exact: bool, keep_area: bool, deformation: float, steps: SlideSteps | None
+    ) -> None:
         """At the start."""
         start = self.start
         if keep_area:  # the load falls, so that no contact is exact
             self.area = ConstantArea(float(start.area), 0.0, system.control.value, float(start.area))
-        kinds = [kind for kind in KINDS.values() if kind is not SeparableSteps or (exact and not keep_area)]
+        kinds = [kind for kind in _SUITING if kind is not SeparableSteps or (exact and not keep_area)]
         # A kind that does not suit this solid begins with nothing.
-        self.now = next(filter(None, (kind.begin(system, self.solver, start) for kind in kinds)))
-        if self.fading and self.now.fades:
-            self.controller.tolerance = step_tolerance(TUNING.fading * self.rtol)
+        self.now = steps or next(filter(None, (kind.begin(system, self.solver, start) for kind in kinds)))
         self.deformation = 0.0
         self.raise_deformation()
         # The first step follows what creeps here, however large a deformation errors are measured by.
-        self.controller.begin(self.deformation, self.now.speed())
+        if steps is None:
+            self.controller.begin(self.deformation, self.now.speed())
+        else:
+            self.controller = Controller(fading_tolerance(self.rtol), steps.length)
         self.deformation = max(self.deformation, deformation)
 
     def resume(self, system: System, midway: Midway) -> None:
@@ -211,7 +220,7 @@ class _March:
         self.deformation, self.parting = midway.deformation, midway.parting
         if self.area is not None:
             system = replace(system, control=Load(self.area.load))
-        self.now = KINDS[midway.kind](system, self.solver, midway.resume_state)
+        self.now = _KINDS[midway.kind](system, self.solver, midway.resume_state)
         self.extent = self.now.extent()
 
     def midway(self) -> Midway:
@@ -268,8 +277,7 @@ class _March:
                 continue
             if self.area:
                 self.now.system = replace(self.now.system, control=self.area.load_for(length))
-            left = stop - time - length if self.fading else 0.0
-            attempt = self.now.attempt(length, self.aim(landing or self.parting, left))
+            attempt = self.now.attempt(length, self.aim(landing or self.parting, stop - time - length))
             failure = attempt.failure
             self.parting |= isinstance(failure, PulledOff)
             self.counts.iterations += attempt.iterations

@@ -70,9 +70,9 @@ class Attempt:
 
 
 class Aim(NamedTuple):
-    """Tolerances of both contact problems of a step, errors of u0 allowed instead, and the deformation.
+    """Tolerances of the contact problems of a step, the last one's apart, and errors of u0 allowed instead.
 
-    Errors count after they have faded for a time ``left``, where the kind of steps can tell.
+    Errors are relative to the ``deformation``. A time ``left`` is from the end of the step to the next frame.
     """
 
     tolerances: tuple[float, float]
@@ -145,8 +145,6 @@ class Steps(ABC):
 
     kind: ClassVar[str]
     """What checkpoints and frames call it."""
-    fades: ClassVar[bool] = False
-    """Whether it can tell how errors fade."""
 
     system: System
     time: float
@@ -233,7 +231,6 @@ class TrBdf2(Steps):
         tau, evenly, origin = DIAGONAL * duration, WEIGHT * duration, self.origin or duration
         logs, spent = [math.log(time + origin) for time in self.times], 0
         stages = (2 * tau, (tau,)), (duration, (evenly, evenly))
-        self.left = aim.left
         self.prepare(tau)
         try:
             for (ahead, creeps), *accuracy in zip(stages, aim.tolerances, aim.allowed_errors, strict=True):

@@ -106,7 +106,9 @@ def friction_rows(dataset: xr.Dataset) -> list[Row]:
         times = " to ".join(_time(dataset, float(time)) for time in since[ends])
         area, strength = (f"{round(float(part), 6):.3g}" for part in parts)
         note = f" an e-fold of time: {area} by the area, {strength} by the strength, t = {times}"
-        name = "growth of friction" + f", leg {leg.number}" * ("protocol" in dataset.attrs)
+        name = "growth of friction"
+        if "protocol" in dataset.attrs:  # contacts grow like the logarithm of the time since the last switch
+            name, note = f"{name}, leg {leg.number}", f"{note} since the leg began"
         rows.append(Row(name, float(sum(parts)), note=note, digits=3, brief=True))
     return rows
 

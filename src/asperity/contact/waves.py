@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import lru_cache
 
 import numpy as np
 
@@ -46,6 +47,12 @@ def _along(lattice: Lattice, direction: Vector, signs: Sequence[int]) -> Spectru
 def slope_of(along: Sequence[Spectrum]) -> Spectrum:
     """Wave vectors along a direction, 0 for the shortest waves, which have no slope."""
     return np.where(np.ptp(along, axis=0) > 0, 0.0, along[0])
+
+
+@lru_cache(maxsize=8)
+def slope_along(lattice: Lattice, sites: Sequence[Fraction | int]) -> Spectrum:
+    """Wave vectors along a vector of sites; see `slope_of`."""
+    return slope_of(waves_along(lattice, unit_vector(lattice, sites)))
 
 
 def friction_of_slopes(lattice: Lattice, slope: Spectrum, heights: Field, u: Field, force: Field) -> float:

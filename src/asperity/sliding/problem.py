@@ -99,11 +99,6 @@ class Sliding:
         rhs = self.lattice.flat_modes(-self.load / self.lattice.sites)
         return SpectralProblem(self.lattice, self.heights, storage, rhs)
 
-    @property
-    def loss(self) -> Spectrum:
-        """The loss compliance, with the sign of the wave vector."""
-        return self.compliance.imag
-
     def displacement(self, force: Field) -> Field:
         """C p, whose mean is 0."""
         return self.lattice.apply(self.compliance, force)
@@ -120,7 +115,7 @@ class State:
 
     ``u`` is h in contact and not below it elsewhere; ``force`` is not below 0, and 0 elsewhere. ``residual``
     is the largest force off contact, or tension in contact, over the mean contact force, before these are
-    left out. ``products`` counts applications of C, ``revisions`` those of the set of contacts.
+    left out. ``products`` counts applications of C.
     """
 
     problem: Sliding
@@ -129,14 +124,13 @@ class State:
     in_contact: Mask
     residual: float
     products: int
-    revisions: int
 
     @cached_property
     def dissipation(self) -> Spectrum:
         """Dissipation over the speed in each wave; the sum is -sum p du/dx. Shape of a spectrum."""
         problem, lattice = self.problem, self.problem.lattice
         power = np.abs(lattice.forward(self.force)) ** 2 * lattice.multiplicity / lattice.sites
-        return np.asarray(problem.slope * problem.loss * power)
+        return np.asarray(problem.slope * problem.compliance.imag * power)
 
     @property
     def friction(self) -> float:

@@ -75,7 +75,8 @@ class Profile:
 
     def tiles(self, state: State) -> dict[str, Field]:
         """What tiles of the scan have: sites of the body, those in contact, load and friction."""
-        friction = state.force * self.lattice.apply(state.problem.slope * state.problem.loss, state.force)
+        arising = state.problem.slope * state.problem.compliance.imag
+        friction = state.force * self.lattice.apply(arising, state.force)
         maps = {"sites": np.isfinite(self.heights), "area": state.in_contact}
         maps |= {"load": state.force, "friction": friction}
         return {name: in_tiles(self.of_scan(field)[np.newaxis])[0] for name, field in maps.items()}

@@ -107,7 +107,7 @@ class _Run:
         self, problem: Sliding, force: Field, in_contact: Mask, products: int = 0, *, at_once: bool = False
     ) -> None:
         self.problem, self.force, self.in_contact = problem, force, in_contact
-        self.products, self.revisions, self.at_once = products, 0, at_once
+        self.products, self.at_once = products, at_once
         self.most = self.reduction = TUNING.reduction
         self.patience = TUNING.patience
         self.record, self.share = in_contact.size + 1, 1.0
@@ -188,7 +188,6 @@ class _Run:
 
     def exchange(self, wrong: Field, number: int) -> None:
         """Exchange all wrong sites; without new records those that are most wrong."""
-        self.revisions += 1
         if number < self.record:
             self.record, self.patience = number, TUNING.patience
         elif self.patience:
@@ -217,4 +216,4 @@ class _Run:
         force = problem.force(u)
         residual = RIGID.violation(force, touching, None, problem.load / touching.size)
         force = RIGID.admit(force, touching, problem.load)
-        return State(problem, u, force, touching, residual, self.products, self.revisions)
+        return State(problem, u, force, touching, residual, self.products)
