@@ -51,7 +51,10 @@ class NormalStress:
 
     def at(self, time: Floats) -> Floats:
         """Value at each time, shape (n,)."""
-        return np.asarray(np.interp(time, self.time, self.value))
+        near = time.real
+        slope = np.append(np.diff(self.value) / np.diff(self.time), 0.0)
+        at = np.clip(np.searchsorted(self.time, near, "right") - 1, 0, self.time.size - 1)
+        return np.asarray(np.interp(near, self.time, self.value) + slope[at] * (time - near))
 
     def edges(self, others: Floats) -> Floats:
         """Times at which it turns, and others, which stay."""

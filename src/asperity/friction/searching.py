@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from asperity.base.checks import Floats
-from asperity.friction.machine import FINE, Machine
+from asperity.friction.machine import Machine
 from asperity.friction.slider import RunsAwayError
 
 _STARTS = {"a": (0.03, 0.1, 0.3), "b": (0.7, 1.3), "D_c": (1e-3, 0.01, 0.03, 0.1, 0.3, 1.0), "k": (0.7, 2.0)}
@@ -125,7 +125,7 @@ def _polished(machine: Machine, start: Floats, evaluations: int, many: int) -> t
         return machine.residual(np.concatenate([part, start[many:]]))
 
     def jacobian(part: Floats) -> Floats:
-        return machine.slopes(np.concatenate([part, start[many:]]), many, FINE)[2:]
+        return machine.slopes(np.concatenate([part, start[many:]]), many)[2:]
 
     if not np.isfinite(residual(start[:many])).all():
         return None
