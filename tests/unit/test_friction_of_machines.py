@@ -15,7 +15,7 @@ from scipy.stats import binom
 import asperity as asp
 from asperity.errors import InputError
 from asperity.friction.loading import Drive, drive_of
-from asperity.friction.pulling import refuse_oscillation, stiffness_of
+from asperity.friction.pulling import oscillation, stiffness_of
 from asperity.friction.slider import Shape, follow
 from tests import CASES
 from tests.refusals import each_refuses, refuses
@@ -303,11 +303,7 @@ def correlated(rng, rows, rho=0.45):
 def oscillates(time, place, friction):
     record = F.Record.of_machine(time, friction, load_point=place, units=("s", "um"))
     assert record.drive is not None
-    try:
-        refuse_oscillation(record, record.drive, record.drive.edges(time))
-    except InputError as error:
-        return str(error)
-    return ""
+    return str(oscillation(record, record.drive, record.drive.edges(time)) or "")
 
 
 def test_noise_whose_rows_correlate_is_no_stick_slip():
@@ -376,6 +372,19 @@ def test_no_law_is_fitted_to_stick_slip(seed):
     record = F.Record.of_machine(time, friction, load_point=place, units=("s", "um"))
     with pytest.raises(InputError, match="stable sliding"):
         F.rate_and_state(record, law=law)
+
+
+@pytest.mark.parametrize(("law", "speed"), [("aging", 10.0), ("slip", 3.0)])
+def test_a_slider_near_the_limit_of_stability_is_fitted(law, speed):
+    """At k of 1.08 (b - a)/D_c friction falls faster than it rises, in cycles that die out."""
+    shape = Shape(a=0.008, b=0.012, D_c=10 * UM, k=1.08 * 0.004 / (10 * UM))
+    time, place, _, friction = exact([1.0, speed, 1.0], [300.0, 600.0 / speed, 600.0], 0.5, law, shape)
+    friction = friction + 3e-4 * correlated(np.random.default_rng(0), time.size)
+    assert "oscillations" in oscillates(time, place, friction)
+    fit = F.rate_and_state(F.Record.of_machine(time, friction, load_point=place), law=law)
+    for name in ("a", "b", "D_c", "stiffness"):
+        truth, stderr = shape[("a", "b", "D_c", "stiffness").index(name)], getattr(fit, f"{name}_stderr")
+        assert abs(getattr(fit, name) - truth) < 4 * stderr
 
 
 @pytest.mark.slow

@@ -23,6 +23,7 @@ from asperity.friction.events import Events, HoldPeaks, hold_peaks
 from asperity.friction.fitting import rate_and_state
 from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.friction.parameters import MISSES, MachineFit, RateAndStateFit
+from asperity.friction.pulling import stiffness_of
 from asperity.friction.records import Record
 
 PARAMETERS = ("mu_0", "a", "b", "D_c", "a_minus_b")
@@ -157,7 +158,8 @@ def compare_state_laws(
     mean = replace(first, friction=friction.mean(axis=0))
     fits = fitted(mean.friction)
     estimates = {law: fit.estimates for law, fit in fits.items()}
-    is_given = all(isinstance(fit, MachineFit) and fit.stiffness_stderr == 0 for fit in fits.values())
+    k = stiffness_of(first, stiffness)
+    is_given = k is not None and (k < math.inf or first.drive is not None)
     free = fitted(mean.friction, "fit") if is_given else {}
     doubt = _doubt(fits, free)
     if len(several) == 1:

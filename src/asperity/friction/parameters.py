@@ -106,6 +106,11 @@ class RateAndStateFit(FitResult):
         return not self.at_edge and self.D_c_stderr < self.D_c
 
     @property
+    def stiffness_from(self) -> str:
+        """Whether the stiffness of the machine was given or fitted."""
+        return "given"
+
+    @property
     def parameters(self) -> RateAndState:
         """The law with these parameters."""
         names = [item.name for item in fields(RateAndState)]
@@ -156,6 +161,11 @@ class MachineFit(RateAndStateFit):
     state: Floats
 
     scales: ClassVar[frozenset[str]] = frozenset({"D_c", "stiffness"})
+
+    @property
+    def stiffness_from(self) -> str:
+        """Whether the stiffness of the machine was given or fitted."""
+        return "fitted" if self.stiffness_stderr > 0 else "given"
 
     @property
     def misfit(self) -> float:

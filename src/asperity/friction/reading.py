@@ -114,12 +114,13 @@ def read_record(
     ratios = [kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(by_role)]
     motions = [role for role in _MOTIONS if role in by_role]
     if "time" not in by_role or not motions or not ("friction" in by_role or ratios):
-        raise InputError(
-            name,
-            expected="columns of time, of load point, velocity or displacement, and of friction or stresses",
-            got=named(columns_read.table),
-            advice=f"a first line that names them with their units, such as {_EXAMPLES}",
-        )
+        expected = "columns of time, of load point, velocity or displacement, and of friction or stresses"
+        known = [at for at, role in enumerate(columns_read.roles) if role]
+        if not set(known) <= set(columns_read.chosen):
+            got = f"those of {', '.join(by_role) or 'none'}"
+            raise InputError("columns", expected=expected, got=got, cure={"columns": known})
+        advice = f"a first line that names them with their units, such as {_EXAMPLES}"
+        raise InputError(name, expected=expected, got=named(columns_read.table), advice=advice)
     if "load point" in motions or "velocity" not in motions:
         motions = [role for role in motions if role != "velocity"]
     else:

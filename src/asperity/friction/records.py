@@ -197,12 +197,12 @@ class Record(views.Brief):
         if (driven.velocity < 0).any():
             n, unit = int(np.argmax(driven.velocity < 0)), record.units[0]
             start, end = driven.edges(times)[n : n + 2] / record.scales[0]
-            raise InputError(
-                name.replace("_", " "),
-                expected="a displacement that goes on in one direction",
-                got=f"{record.speed(driven.velocity[n])} from {start:.6g} to {end:.6g} {unit}",
-                advice="a part of the record",
-            )
+            got = f"{record.speed(driven.velocity[n])} from {start:.6g} to {end:.6g} {unit}"
+            expected, advice = "a displacement that goes on in one direction", "a part of the record"
+            if name == "slip":
+                expected = "slip whose load point, slip + friction/k, goes on in one direction for some k"
+                advice = "a column of the load point, more rows in each hold, or a part of the record"
+            raise InputError(name.replace("_", " "), expected=expected, got=got, advice=advice)
         return record
 
     def between(self, start: float, stop: float = math.inf) -> Record:
