@@ -56,8 +56,8 @@ class Machine:
     a: float | None
     k: float | None
     noise: tuple[float, float]
-    normal: NormalStress | None = None
-    alpha: float | None = 0.0
+    normal: NormalStress
+    alpha: float | None
 
     @cached_property
     def names(self) -> tuple[str, ...]:

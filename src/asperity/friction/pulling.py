@@ -83,24 +83,22 @@ def pulled_fit(
         raise InputError("record", expected=expected, got="the strength at rest")
     rows, drive = record.time.size, record.drive
     if drive is None:
-        force = record.friction if record.normal is None else record.friction * record.normal
+        force = record.friction * record.pressing
         drive, _ = drive_of_slip(record.time, record.displacement, force)
         record = replace(record, slip=record.displacement, drive=drive, velocity=drive.per_row(record.time))
     if drive.velocity[0] == 0 and drive.kinks.size:  # steady from the middle of the first slide on
         record = record.between(float(drive.edges(record.time)[1:3].mean()))
         drive = drive.between(record.time[0], math.inf)
     used, time, friction, slip = rows_of(record, events), record.time, record.friction, record.slip
-    normal = None if record.normal is None else NormalStress.of(time, record.normal, friction, drive.kinks)
-    edges = drive.edges(time)
-    refusal = oscillation(record, drive, edges if normal is None else normal.edges(edges))
+    normal = NormalStress.of(time, record.pressing, friction, drive.kinks)
+    refusal = oscillation(record, drive, normal.edges(drive.edges(time)))
     if a is None:
         a = record.a
     fixed = None if a is None or a == "fitted" else checks.number("a", a, above=0.0)
     noise = math.sqrt(variance(time, friction)), 1.0 if slip is None else math.sqrt(variance(time, slip))
     measured = np.full(drive.kinks.size, record.load_point is not None)
-    machine = Machine(law, time, friction, slip, drive, used, measured, fixed, k, noise, normal)
-    if record.presses_anew:
-        machine = replace(machine, alpha=None)
+    alpha = None if record.presses_anew else 0.0
+    machine = Machine(law, time, friction, slip, drive, used, measured, fixed, k, noise, normal, alpha)
 
     def fitted(each: StateLaw) -> MachineFit:
         try:
@@ -216,9 +214,8 @@ def _result(
     """The fit in units of the record, with mu_0 at the reference velocity."""
     shape, start = machine.shape(point), float(machine.drive.velocity[0])
     a, b, D_c, k, _ = shape
-    changes = point[len(machine.names) :]
-    if machine.normal is not None:
-        k, changes = k / float(machine.normal.value.max()), np.append(changes, machine.normal.kinks)
+    k = k / float(machine.normal.value.max())
+    changes = np.append(point[len(machine.names) :], machine.normal.kinks)
     if k * D_c < b - a:
         unit, length = record.units[1], record.scales[1]
         lost = (b - a) / D_c * length

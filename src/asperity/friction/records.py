@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, TypedDict, Unpack
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,26 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.base import checks, units, views
 from asperity.base.checks import Floats
 from asperity.errors import InputError
-from asperity.friction.laws import timetable
+from asperity.friction.laws import one_for_each, timetable
 from asperity.friction.loading import STEP, Drive, drive_of, drive_of_slip
 from asperity.friction.normal_stress import changes
 
 RUN_IN, HOLD, STEPPED = 0, 1, 2
 """Kinds of events."""
-
-
-class About(TypedDict, total=False):
-    """Other facts of a record."""
-
-    strength_at_rest: bool
-    a: float | None
-    si: bool
-    normal_stress: float | None
-    normal_force: float | None
-    normal: Floats | None
-    source: str
-    read: str
-    units: tuple[str, str]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -88,28 +74,17 @@ class Record(views.Brief):
 
     def __post_init__(self) -> None:
         time, velocity = timetable(self.time, self.velocity)
-        friction = checks.positive("friction", checks.line("friction", self.friction))
-        if friction.size != time.size:
-            expected = f"one for each of the {time.size} times"
-            raise InputError("friction", expected=expected, got=friction.size)
-        for name, values in (("time", time), ("velocity", velocity), ("friction", friction)):
+        numbers = {"time": time, "velocity": velocity}
+        for name in ("friction", *["normal"] * (self.normal is not None)):
+            numbers[name] = checks.positive(name, one_for_each(name, getattr(self, name), time))
+        for name, values in numbers.items():
             object.__setattr__(self, name, values)
-        if self.normal is not None:
-            normal = checks.positive("normal", checks.line("normal", self.normal))
-            if normal.size != time.size:
-                expected = f"one for each of the {time.size} times"
-                raise InputError("normal", expected=expected, got=normal.size)
-            object.__setattr__(self, "normal", normal)
         if not self.si:
             object.__setattr__(self, "units", ("", ""))
 
     @classmethod
     def of_displacement(
-        cls,
-        time: ArrayLike,
-        displacement: ArrayLike,
-        friction: ArrayLike,
-        **about: Unpack[About],
+        cls, time: ArrayLike, displacement: ArrayLike, friction: ArrayLike, **about: Any
     ) -> Record:
         """Make a record of the displacement (length) in place of the velocity.
 
@@ -156,7 +131,7 @@ class Record(views.Brief):
         *,
         load_point: ArrayLike | None = None,
         slip: ArrayLike | None = None,
-        **about: Unpack[About],
+        **about: Any,
     ) -> Record:
         """Make a record of noisy measurements of a machine: load point, slip of the slider, or both.
 
@@ -178,9 +153,8 @@ class Record(views.Brief):
         timetable(times, np.zeros_like(times))
         if name == "slip":
             normal = about.get("normal")
-            driven, compliance = drive_of_slip(
-                times, places[name], values * (1.0 if normal is None else normal)
-            )
+            force = values if normal is None else values * normal
+            driven, compliance = drive_of_slip(times, places[name], force)
             if compliance == 0 and not (np.diff(places[name]) < 0).any():
                 return cls.of_displacement(times, places[name], values, **about)
         else:
@@ -229,6 +203,11 @@ class Record(views.Brief):
     def displacement(self) -> Floats:
         """Slip since the first time, shape (n,)."""
         return np.cumsum(self.velocity * np.diff(self.time, prepend=self.time[0]))
+
+    @property
+    def pressing(self) -> Floats:
+        """Normal stress over its mean, shape (n,)."""
+        return np.ones_like(self.time) if self.normal is None else self.normal
 
     @property
     def presses_anew(self) -> bool:

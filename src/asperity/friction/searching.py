@@ -96,11 +96,9 @@ def _stiffness_seen(machine: Machine) -> float:
     Where a normal stress stops growing, the slider has stopped, as if the load point sped up from rest.
     """
     slopes: dict[bool, list[float]] = {True: [], False: []}
-    drive, friction, edges = machine.drive, machine.friction, machine.drive.edges(machine.time)
-    velocity = drive.velocity
-    if machine.normal is not None:
-        friction, edges = friction * machine.normal.at(machine.time), machine.normal.edges(edges)
-        velocity = np.where(np.diff(machine.normal.at(edges)) > _GREW, 0.0, drive.along(edges))
+    drive, normal = machine.drive, machine.normal
+    friction, edges = machine.friction * normal.at(machine.time), normal.edges(drive.edges(machine.time))
+    velocity = np.where(np.diff(normal.at(edges)) > _GREW, 0.0, drive.along(edges))
     for n, change in enumerate(np.diff(velocity).tolist()):
         rows = (machine.time >= edges[n + 1]) & (machine.time <= edges[n + 2])
         if change and rows.sum() > 3:

@@ -48,7 +48,7 @@ class Course:
 
     states: Floats
     time: Floats
-    normal: NormalStress | None = None
+    normal: NormalStress
 
     def elastic(self, shape: Shape) -> Floats:
         """Return a w + b s, the change of friction since the beginning, shape (n,)."""
@@ -56,11 +56,8 @@ class Course:
 
     def stretch(self, shape: Shape) -> Floats:
         """Return the lengthening of the spring since the beginning, shape (n,)."""
-        elastic, normal = self.elastic(shape), self.normal
-        if normal is None:
-            return elastic / shape.k
-        sigma = normal.at(self.time)
-        return np.asarray((sigma * (normal.friction + elastic) - sigma[0] * normal.friction) / shape.k)
+        sigma, first = self.normal.at(self.time), self.normal.friction
+        return np.asarray((sigma * (first + self.elastic(shape)) - sigma[0] * first) / shape.k)
 
 
 def follow(
@@ -73,10 +70,9 @@ def follow(
     edges = drive.edges(time)
     if (np.diff(edges.real) <= 0).any():
         raise RunsAwayError
-    if normal is not None:
-        edges = normal.edges(edges)
-    mu_1, sigma = (0.0, np.ones_like(edges)) if normal is None else (normal.friction, normal.at(edges))
-    velocity, lasts = drive.along(edges), np.diff(edges)
+    normal = normal or NormalStress(time[[0, -1]], np.ones(2), 0.0)
+    edges = normal.edges(edges)
+    velocity, sigma, lasts = drive.along(edges), normal.at(edges), np.diff(edges)
     rows = np.concatenate([[0], np.searchsorted(time, edges[1:-1].real), [time.size]])
     kind = np.result_type(*shape, edges)
     state, states, work = np.zeros(2, kind), np.empty((time.size, 2), kind), np.empty((2, 6), kind)
@@ -84,9 +80,9 @@ def follow(
         places = np.concatenate([[0.0], (time[rows[n] : rows[n + 1]] - edges[n]) / last, [1.0]]).astype(kind)
         inside = np.empty((places.size, 2), kind)
         inside[0] = state
-        numbers = [*shape, velocity[0] * last, velocity[n] * last, mu_1, sigma[n], sigma[n + 1] - sigma[n]]
-        p = tuple(np.array(numbers, kind))
-        if not march(law == "aging", p, places, _TOLERANCE, _STEPS, METHOD, work, inside):
+        speeds, rise = last * velocity[[0, n]], sigma[n + 1] - sigma[n]
+        numbers = tuple(np.array([*shape, *speeds, normal.friction, sigma[n], rise], kind))
+        if not march(law == "aging", numbers, places, _TOLERANCE, _STEPS, METHOD, work, inside):
             raise RunsAwayError
         states[rows[n] : rows[n + 1]], state = inside[1:-1], inside[-1]
     return Course(states, time, normal)
