@@ -32,6 +32,9 @@ PARAMETERS = ("mu_0", "a", "b", "D_c", "a_minus_b")
 _SUITS = 1.5
 """Misfit of a fit over the least, up to which it is possible."""
 
+_OPEN = 100.0
+"""Relative standard error above which a parameter is not determined."""
+
 _SAME = 1e-9
 """Largest relative difference of the same times and velocities."""
 
@@ -105,6 +108,12 @@ class StateLaws(views.Brief, views.Pictured):
         widest = max(float(estimate.high - estimate.low) for estimate in estimates)
         undetermined = any(estimate.stderr > abs(estimate.value) for estimate in estimates)
         return min(values), max(values), None if undetermined else max(values) - min(values) > widest
+
+    def is_open(self, law: StateLaw, name: str) -> bool:
+        """Whether the record does not determine a parameter of a law."""
+        estimate, needs_D_c = self.estimates[law][name], name in ("D_c", "alpha")
+        undetermined = needs_D_c and not self.fits[law].determined
+        return bool(undetermined or estimate.stderr > _OPEN * np.abs(estimate.value))
 
     @property
     def preferred(self) -> StateLaw:

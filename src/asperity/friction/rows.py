@@ -10,23 +10,11 @@ from asperity.base import views
 from asperity.base.readable import written
 from asperity.base.rows import Row, table_rows
 from asperity.base.words import counted, thousands, uncertain
-from asperity.friction.comparing import StateLaws
+from asperity.friction.comparing import PARAMETERS, StateLaws
 from asperity.friction.events import Event
 from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.friction.parameters import MISSES, MachineFit, RateAndStateFit
 from asperity.friction.records import Record
-
-_OPEN = 100.0
-"""Relative standard error above which a parameter is not determined."""
-
-_NAMES = (
-    ("mu_0", "mu_0"),
-    ("a", "a"),
-    ("b", "b"),
-    ("D_c", "D_c"),
-    ("a - b", "a_minus_b"),
-    ("alpha", "alpha"),
-)
 
 
 @views.defines(StateLaws.rows)
@@ -123,21 +111,17 @@ def rows_of_events(fits: Mapping[Event, MachineFit | None], record: Record) -> l
 def _law(laws: StateLaws, law: StateLaw) -> list[Row]:
     record, fit = laws.record, laws.fits[law]
     rows = [Row(f"{law} law", "mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)")]
-    for text, name in _NAMES:
-        if name not in laws.estimates[law]:
-            continue
-        estimate = laws.estimates[law][name]
-        value, stderr, low, high = (
-            float(part) for part in (estimate.value, estimate.stderr, estimate.low, estimate.high)
-        )
-        unit = "m" if name == "D_c" and record.si else "1"
-        row = Row(f"  {text}", value, unit, (low, high), error=stderr)
+    for name in PARAMETERS + ("alpha",) * ("alpha" in laws.estimates[law]):
+        estimate, text = laws.estimates[law][name], f"  {name.replace('_minus_', ' - ')}"
+        value, unit = float(estimate.value), "m" if name == "D_c" and record.si else "1"
         if name == "a" and fit.a_stderr == 0:
-            known = value == record.a
-            row = Row(f"  {text}", value, note=f", {'of a constant shear strength' if known else 'as given'}")
-        elif (name in ("D_c", "alpha") and not fit.determined) or stderr > _OPEN * abs(value):
-            row = Row(f"  {text}", "not determined by this record")
-        rows.append(row)
+            known = "of a constant shear strength" if value == record.a else "as given"
+            rows.append(Row(text, value, note=f", {known}"))
+        elif laws.is_open(law, name):
+            rows.append(Row(text, "not determined by this record"))
+        else:
+            ends = float(estimate.low), float(estimate.high)
+            rows.append(Row(text, value, unit, ends, error=float(estimate.stderr)))
     V_0 = written(fit.V_0, "m/s" if record.si else "1")
     return [*rows, Row("", f"at V_0 = {V_0}, misfit {100 * fit.rms_residual:.2g} % rms")]
 
