@@ -46,11 +46,11 @@ def made(case: str, law: F.laws.StateLaw, number: int) -> tuple[F.Record, Shape]
     shape = Shape(a, part * a, D_c * UM, stiff * a / (D_c * UM), rng.uniform(0.1, 0.4) * (case == "normal"))
     ends = np.append(0.0, np.cumsum(lasts))
     drive = Drive(ends[1:-1], D_c / 10 * UM * speeds, np.full(lasts.size - 1, 0.1))
-    # Rows each 0.1 s, and each second from 10 s of a hold on.
-    time = np.arange(0.0, ends[-1] + 0.05, 0.1)
+    # Rows each 0.1 s, at random beside the kinks, and each second from 10 s of a hold on.
+    time = np.append(0.0, np.arange(rng.uniform(0.05, 0.1), ends[-1], 0.1))
     part_of = np.searchsorted(ends[1:-1], time, "right")
     late = (speeds[part_of] == 0) & (time - ends[part_of] > 10)
-    time = time[~late | (np.round(10 * time) % 10 == 0)]
+    time = time[~late | (np.arange(time.size) % 10 == 0)]
     sigma = np.interp(time, *STRESS) if case == "normal" else np.ones(time.size)
     normal = NormalStress(np.array(STRESS[0]), STRESS[1] / sigma.mean(), 0.6) if case == "normal" else None
     elastic, place = follow(law, shape, drive, time, normal=normal).elastic(shape), drive.place(time)

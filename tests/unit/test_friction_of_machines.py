@@ -209,6 +209,22 @@ def test_intervals_cover_the_truth_as_often_as_they_say(protocol, law):
     assert min(coverage(protocol, law, CASES).values()) >= binom.ppf(0.004, CASES, 0.95)
 
 
+def test_intervals_count_the_errors_of_the_velocities_of_the_load_point():
+    """D_c is a slip. Friction, with little noise, would give it to 0.01 %, the load point to 0.1 %."""
+    time, place, _, friction = exact(*STEPS, law="slip")
+    off, stated = [], []
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        noisy_place = place + 0.3 * UM * rng.standard_normal(time.size)
+        record = F.Record.of_machine(
+            time, friction + 1e-5 * rng.standard_normal(time.size), load_point=noisy_place
+        )
+        fit = F.rate_and_state(record, law="slip", stiffness="fit")
+        off.append(np.log(fit.D_c / TRUTH.D_c))
+        stated.append(fit.D_c_stderr / fit.D_c)
+    assert 0.5 < np.sqrt(np.mean(np.square(off))) / np.mean(stated) < 2.0
+
+
 # -- A measured record ---------------------------------------------------------------------------------------
 
 

@@ -74,7 +74,7 @@ def follow(
     edges = normal.edges(edges)
     velocity, sigma, lasts = drive.along(edges), normal.at(edges), np.diff(edges)
     rows = np.concatenate([[0], np.searchsorted(time, edges[1:-1].real), [time.size]])
-    kind = np.result_type(*shape, edges)
+    kind = np.result_type(*shape, edges, velocity)
     state, states, work = np.zeros(2, kind), np.empty((time.size, 2), kind), np.empty((2, 6), kind)
     for n, last in enumerate(lasts):
         places = np.concatenate([[0.0], (time[rows[n] : rows[n + 1]] - edges[n]) / last, [1.0]]).astype(kind)
