@@ -18,30 +18,17 @@ import numpy as np
 from asperity.contact.compiled import compiled, inlined
 
 _LAST = 1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950
-_A = [
-    [0.0, 0.0, 0.0, 0.0, 0.0],
-    [1.544, 0.0, 0.0, 0.0, 0.0],
-    [0.9466785280815826, 0.2557011698983284, 0.0, 0.0, 0.0],
-    [3.314825187068521, 2.896124015972201, 0.9986419139977817, 0.0, 0.0],
-    [*_LAST, 0.0],
-    [*_LAST, 1.0],
-]
-_C = [
-    [0.0, 0.0, 0.0, 0.0, 0.0],
-    [-5.6688, 0.0, 0.0, 0.0, 0.0],
-    [-2.430093356833875, -0.2063599157091915, 0.0, 0.0, 0.0],
-    [-0.1073529058151375, -9.594562251023355, -20.47028614809616, 0.0, 0.0],
-    [7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160, 0.0],
-    [8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054],
-]
-_BETWEEN = [
-    [10.12623508344586, -7.487995877610167, -34.80091861555747, -7.992771707568823, 1.025137723295662],
-    [-0.6762803392801253, 6.087714651680015, 16.43084320892478, 24.76722511418386, -6.594389125716872],
-]
+_A = [1.544, 0.9466785280815826, 0.2557011698983284, 3.314825187068521, 2.896124015972201]
+_A += [0.9986419139977817, *_LAST, *_LAST, 1.0]
+_C = [-5.6688, -2.430093356833875, -0.2063599157091915, -0.1073529058151375, -9.594562251023355]
+_C += [-20.47028614809616, 7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160]
+_C += [8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054]
+_FIRST = [10.12623508344586, -7.487995877610167, -34.80091861555747, -7.992771707568823, 1.025137723295662]
+_NEXT = [-0.6762803392801253, 6.087714651680015, 16.43084320892478, 24.76722511418386, -6.594389125716872]
 _OF_TIME = [0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0]
 _PLACES = [0.0, 0.386, 0.21, 0.63, 1.0, 1.0]
-METHOD = tuple(np.array(numbers) for numbers in (_A, _C, _BETWEEN, _OF_TIME, _PLACES))
-"""A, C, weights of values within a step, D, and places of the stages."""
+METHOD = tuple(np.array(numbers) for numbers in (_A, _C, _FIRST, _NEXT, _OF_TIME, _PLACES))
+"""A and C, row after row; weights of values within a step; D; and places of the stages."""
 
 
 @inlined
@@ -77,7 +64,7 @@ def march(
     The first of `states` is that at time 0. `numbers` are a, b, D_c, k, alpha; the velocities V_1 and V_lp
     times the duration; friction at the beginning; the normal stress at time 0, and its change.
     """
-    A, C, between, of_time, stages = method
+    A, C, first, second, of_time, stages = method
     kw, ks = work[0], work[1]
     w, s = states[0, 0], states[0, 1]
     t, n, h = 0.0, 1, 0.0
@@ -94,8 +81,9 @@ def march(
         for i in range(6):
             u, v, x, y = w, s, h * of_time[i] * w_t, h * of_time[i] * s_t
             for j in range(i):
-                u, v = u + A[i, j] * kw[j], v + A[i, j] * ks[j]
-                x, y = x + C[i, j] / h * kw[j], y + C[i, j] / h * ks[j]
+                at = i * (i - 1) // 2 + j
+                u, v = u + A[at] * kw[j], v + A[at] * ks[j]
+                x, y = x + C[at] / h * kw[j], y + C[at] / h * ks[j]
             if max(u.real, -v.real) > 200:  # before an exponential overflows
                 error = np.inf
                 break
@@ -114,7 +102,7 @@ def march(
             y, z = x * (1 - x), x * x * (1 - x)
             p, q = w + x * (u - w), s + x * (v - s)
             for j in range(5):
-                weight = between[0, j] * y + between[1, j] * z
+                weight = first[j] * y + second[j] * z
                 p, q = p + weight * kw[j], q + weight * ks[j]
             states[n, 0], states[n, 1] = p, q
             n += 1

@@ -108,7 +108,7 @@ class RateAndStateFit(FitResult):
     @property
     def stiffness_from(self) -> str:
         """Whether the stiffness of the machine was given or fitted."""
-        return "given"
+        return "fitted" if getattr(self, "stiffness_stderr", 0.0) > 0 else "given"
 
     @property
     def parameters(self) -> RateAndState:
@@ -161,11 +161,6 @@ class MachineFit(RateAndStateFit):
     state: Floats
 
     scales: ClassVar[frozenset[str]] = frozenset({"D_c", "stiffness"})
-
-    @property
-    def stiffness_from(self) -> str:
-        """Whether the stiffness of the machine was given or fitted."""
-        return "fitted" if self.stiffness_stderr > 0 else "given"
 
     @property
     def misfit(self) -> float:
