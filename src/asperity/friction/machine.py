@@ -129,30 +129,34 @@ class Machine:
     def slopes(self, point: Floats, many: int) -> Floats:
         """Derivatives of mu_0, drift and residuals, in columns for the first `many` searched numbers."""
         every = point + 1j * _TINY * np.eye(many, point.size)
-        return np.column_stack([self._slope(ahead, self.moved(ahead)) for ahead in every])
+        return np.column_stack([self._slope(ahead, self.moved(ahead), self.normal) for ahead in every])
 
-    def _slope(self, point: Floats, drive: Drive) -> Floats:
-        """Derivatives of mu_0, drift and residuals along the tiny imaginary part of a point or a drive."""
-        course = follow(self.law, self.shape(point), drive, self.time, self.normal)
+    def _slope(self, point: Floats, drive: Drive, normal: NormalStress) -> Floats:
+        """Derivatives of mu_0, drift and residuals along the tiny imaginary part of one of these."""
+        course = follow(self.law, self.shape(point), drive, self.time, normal)
         linear, parts = self.compared(point, course)
         return np.asarray(np.concatenate([linear, *parts]).imag / _TINY)
 
     def covariance(self, point: Floats) -> Floats:
         """Covariance of mu_0, drift and named parameters; the first two also follow the searched ones.
 
-        All follow the velocities of the load point, which have errors, and are not searched.
+        All follow the velocities of the load point and the times at which the normal stress turns, which have
+        errors, and are not searched.
         """
-        slopes, drive = self.slopes(point, point.size), self.moved(point)
+        slopes, drive, normal = self.slopes(point, point.size), self.moved(point), self.normal
         drags, searched = slopes[:2], inverse_square(slopes[2:])
         cross = drags @ searched
         linear = self.noise[0] ** 2 * self._inverse @ self._inverse.T + cross @ drags.T
-        errors = np.diag(np.broadcast_to(drive.error, drive.velocity.shape))
-        of_speeds = [
-            replace(drive, velocity=drive.velocity + 1j * _TINY * one) for one in errors if one.any()
-        ]
-        moves = np.column_stack([np.zeros(len(slopes)), *(self._slope(point, each) for each in of_speeds)])
-        followed = -searched @ slopes[2:].T @ moves[2:]
-        whole = np.concatenate([moves[:2] + drags @ followed, followed])
+        moves = [np.zeros(len(slopes))]
+        for one in np.diag(np.broadcast_to(drive.error, drive.velocity.shape)):
+            off = replace(drive, velocity=drive.velocity + 1j * _TINY * one)
+            moves += [self._slope(point, off, normal)] if one.any() else []
+        for one in np.diag(np.broadcast_to(normal.error, normal.time.shape)):
+            turned = replace(normal, time=normal.time + 1j * _TINY * one)
+            moves += [self._slope(point, drive, turned)] if one.any() else []
+        moved = np.column_stack(moves)
+        followed = -searched @ slopes[2:].T @ moved[2:]
+        whole = np.concatenate([moved[:2] + drags @ followed, followed])
         count = 2 + len(self.names)
         covariance = np.block([[linear, cross], [cross.T, searched]]) + whole @ whole.T
         return np.asarray(covariance[:count, :count])
