@@ -149,6 +149,7 @@ def test_intervals_count_that_rows_do_not_show_when_the_normal_stress_turns():
         )
         record = F.Record.of_machine(time, friction, load_point=place, normal=sigma / sigma.mean())
         fit = F.rate_and_state(record, law="slip", stiffness="fit")
-        off.append([np.log(fit.stiffness / shape.k), (fit.alpha - shape.alpha) / fit.alpha_stderr])
-        off[-1][0] *= fit.stiffness / fit.stiffness_stderr
+        assert isinstance(fit, F.MachineFit)
+        k_off = np.log(fit.stiffness / shape.k) * fit.stiffness / fit.stiffness_stderr
+        off.append([k_off, (fit.alpha - shape.alpha) / fit.alpha_stderr])
     assert (np.sqrt(np.mean(np.square(off), axis=0)) < 2).all()
