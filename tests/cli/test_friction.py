@@ -74,7 +74,7 @@ def test_a_run_that_slid(says, refused):
     refused("friction", "run")
     text = says("friction", "run", "--shear-strength", "1.0")
     assert "2 holds" in text
-    assert "a        0, as given" in text
+    assert "a        0, of a constant shear strength" in text
     found = tomllib.loads(Path("friction/friction.toml").read_text())
     assert found["units"]["D_c"] == "length of the record"
 
@@ -166,6 +166,11 @@ def test_what_does_not_concern_a_record_is_refused(refused):
         refused("friction", "lab.csv", *flag, "--out", "none")
 
 
+def test_columns_without_a_displacement_are_refused_with_those_to_choose(refused):
+    machine("lab.csv", places=["load_point_um"])
+    refused("friction", "lab.csv", "--columns", "0", "2", "--out", "none")
+
+
 def test_a_window_with_a_unit_is_refused_where_the_record_has_none(refused):
     np.savetxt("bare.csv", np.ones((9, 3)).cumsum(0), delimiter=",", header="time,slip,mu", comments="")
     refused("friction", "bare.csv", "--from", "2 s")
@@ -174,8 +179,10 @@ def test_a_window_with_a_unit_is_refused_where_the_record_has_none(refused):
 
 def test_an_infinite_stiffness_fits_slip_that_is_the_load_point(says):
     machine("lab.csv", places=["load_point_um"])
-    says("friction", "lab.csv", "--stiffness", "inf")
-    assert "stiffness_from" not in rows_of(Path("friction/friction.csv"))[0]
+    assert "given      inf" in says("friction", "lab.csv", "--stiffness", "inf")
+    given, free, *_ = rows_of(Path("friction/friction.csv"))
+    assert [row["stiffness_from"] for row in (given, free)] == ["given", "fitted"]
+    assert float(free["stiffness_per_m"]) == pytest.approx(0.01e6, rel=0.1)
 
 
 def test_what_a_record_leaves_open_is_not_called_the_same_for_all_laws(says):

@@ -100,7 +100,7 @@ def test_a_depth_held_from_the_first_time_relaxes():
 
 def test_shapes_times_and_sizes_are_refused():
     time, depth = np.arange(4.0), np.array([0.0, 1e-6, 2e-6, 0.0])
-    with refuses("depth", got="3 depths"):
+    with refuses("depth", got="shape (3,)"):
         asp.theory.ting(time, depth[:3], SERIES, RADIUS)
     with refuses("time", got="3.0 before 2.0"):
         asp.theory.ting(time[::-1], depth, SERIES, RADIUS)

@@ -15,7 +15,7 @@ from scipy.stats import binom
 import asperity as asp
 from asperity.errors import InputError
 from asperity.friction.loading import Drive, drive_of
-from asperity.friction.pulling import refuse_oscillation, stiffness_of
+from asperity.friction.pulling import oscillation, stiffness_of
 from asperity.friction.slider import Shape, follow
 from tests import CASES
 from tests.refusals import each_refuses, refuses
@@ -209,6 +209,22 @@ def test_intervals_cover_the_truth_as_often_as_they_say(protocol, law):
     assert min(coverage(protocol, law, CASES).values()) >= binom.ppf(0.004, CASES, 0.95)
 
 
+def test_intervals_count_the_errors_of_the_velocities_of_the_load_point():
+    """D_c is a slip. Friction, with little noise, would give it to 0.01 %, the load point to 0.1 %."""
+    time, place, _, friction = exact(*STEPS, law="slip")
+    off, stated = [], []
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        noisy_place = place + 0.3 * UM * rng.standard_normal(time.size)
+        record = F.Record.of_machine(
+            time, friction + 1e-5 * rng.standard_normal(time.size), load_point=noisy_place
+        )
+        fit = F.rate_and_state(record, law="slip", stiffness="fit")
+        off.append(np.log(fit.D_c / TRUTH.D_c))
+        stated.append(fit.D_c_stderr / fit.D_c)
+    assert 0.5 < np.sqrt(np.mean(np.square(off))) / np.mean(stated) < 2.0
+
+
 # -- A measured record ---------------------------------------------------------------------------------------
 
 
@@ -303,11 +319,7 @@ def correlated(rng, rows, rho=0.45):
 def oscillates(time, place, friction):
     record = F.Record.of_machine(time, friction, load_point=place, units=("s", "um"))
     assert record.drive is not None
-    try:
-        refuse_oscillation(record, record.drive, record.drive.edges(time))
-    except InputError as error:
-        return str(error)
-    return ""
+    return str(oscillation(record, record.drive, record.drive.edges(time)) or "")
 
 
 def test_noise_whose_rows_correlate_is_no_stick_slip():
@@ -376,6 +388,19 @@ def test_no_law_is_fitted_to_stick_slip(seed):
     record = F.Record.of_machine(time, friction, load_point=place, units=("s", "um"))
     with pytest.raises(InputError, match="stable sliding"):
         F.rate_and_state(record, law=law)
+
+
+@pytest.mark.parametrize(("law", "speed"), [("aging", 10.0), ("slip", 3.0)])
+def test_a_slider_near_the_limit_of_stability_is_fitted(law, speed):
+    """At k of 1.08 (b - a)/D_c friction falls faster than it rises, in cycles that die out."""
+    shape = Shape(a=0.008, b=0.012, D_c=10 * UM, k=1.08 * 0.004 / (10 * UM))
+    time, place, _, friction = exact([1.0, speed, 1.0], [300.0, 600.0 / speed, 600.0], 0.5, law, shape)
+    friction = friction + 3e-4 * correlated(np.random.default_rng(0), time.size)
+    assert "oscillations" in oscillates(time, place, friction)
+    fit = F.rate_and_state(F.Record.of_machine(time, friction, load_point=place), law=law)
+    for name in ("a", "b", "D_c", "stiffness"):
+        truth, stderr = shape[("a", "b", "D_c", "stiffness").index(name)], getattr(fit, f"{name}_stderr")
+        assert abs(getattr(fit, name) - truth) < 4 * stderr
 
 
 @pytest.mark.slow

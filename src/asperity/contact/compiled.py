@@ -172,7 +172,7 @@ def _private_folder() -> Path | None:
 
 
 class _Watch(event.Listener):
-    """Says so, once in a process, when a loop has to be compiled: half a minute is long.
+    """Says so, once in a process, when a loop of a contact has to be compiled: half a minute is long.
 
     NUMBA_DISABLE_JIT, which is for finding mistakes in other programs, is not for what compiles these loops.
     """
@@ -183,7 +183,7 @@ class _Watch(event.Listener):
     def on_start(self, event: Any) -> None:
         self.disabled.append(_settings.DISABLE_JIT)
         _settings.DISABLE_JIT = 0
-        if not self.reported and event.data["dispatcher"].py_func.__module__.startswith("asperity."):
+        if not self.reported and event.data["dispatcher"].py_func.__module__.startswith("asperity.contact."):
             self.reported = True
             tell_of_place(remark)
             remark(COMPILING)

@@ -23,6 +23,7 @@ from asperity.friction.events import Events, HoldPeaks, hold_peaks
 from asperity.friction.fitting import rate_and_state
 from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.friction.parameters import MISSES, MachineFit, RateAndStateFit
+from asperity.friction.pulling import stiffness_of
 from asperity.friction.records import Record
 
 PARAMETERS = ("mu_0", "a", "b", "D_c", "a_minus_b")
@@ -30,6 +31,9 @@ PARAMETERS = ("mu_0", "a", "b", "D_c", "a_minus_b")
 
 _SUITS = 1.5
 """Misfit of a fit over the least, up to which it is possible."""
+
+_OPEN = 100.0
+"""Relative standard error above which a parameter is not determined."""
 
 _SAME = 1e-9
 """Largest relative difference of the same times and velocities."""
@@ -105,6 +109,12 @@ class StateLaws(views.Brief, views.Pictured):
         undetermined = any(estimate.stderr > abs(estimate.value) for estimate in estimates)
         return min(values), max(values), None if undetermined else max(values) - min(values) > widest
 
+    def is_open(self, law: StateLaw, name: str) -> bool:
+        """Whether the record does not determine a parameter of a law."""
+        estimate, needs_D_c = self.estimates[law][name], name in ("D_c", "alpha")
+        undetermined = needs_D_c and not self.fits[law].determined
+        return bool(undetermined or estimate.stderr > _OPEN * np.abs(estimate.value))
+
     @property
     def preferred(self) -> StateLaw:
         """The law of the verdict; if that is undecided, the one that fits better."""
@@ -157,7 +167,8 @@ def compare_state_laws(
     mean = replace(first, friction=friction.mean(axis=0))
     fits = fitted(mean.friction)
     estimates = {law: fit.estimates for law, fit in fits.items()}
-    is_given = all(isinstance(fit, MachineFit) and fit.stiffness_stderr == 0 for fit in fits.values())
+    k = stiffness_of(first, stiffness)
+    is_given = k is not None and (k < math.inf or first.drive is not None)
     free = fitted(mean.friction, "fit") if is_given else {}
     doubt = _doubt(fits, free)
     if len(several) == 1:

@@ -129,6 +129,6 @@ def _row(laws: StateLaws, fit: RateAndStateFit, estimates: Mapping[str, Estimate
         "V_0_m_per_s" if si else "V_0": float(fit.V_0),
         "normal_stress_Pa": "" if stress is None else stress,
     }
-    if isinstance(fit, MachineFit):
-        row["stiffness_from"] = "fitted" if fit.stiffness_stderr > 0 else "given"
+    if isinstance(fit, MachineFit) or laws.record.drive is not None:
+        row["stiffness_from"] = fit.stiffness_from
     return row | {"misfit": fit.rms_residual, "verdict": laws.verdict} | _origin(laws)

@@ -153,7 +153,7 @@ def _legend(laws: StateLaws, law: StateLaw) -> str:
     length = f" {style.spelled(unit)}".rstrip()
     for name, factor, end in (("a", 1.0, ""), ("b", 1.0, ""), ("D_c", scale, length)):
         value, stderr = float(estimates[name].value), float(estimates[name].stderr)
-        if (name == "D_c" and not laws.fits[law].determined) or stderr > 100 * abs(value):
+        if laws.is_open(law, name):
             numbers.append(f"${name}$ not determined")
         else:
             numbers.append(f"${name}$ = {uncertain(factor * value, factor * stderr)}{end}")

@@ -141,9 +141,7 @@ class RateAndState:
         """Fall of ln theta after each time, shape (n,)."""
         if normal is None or self.alpha == 0:
             return np.zeros(time.size)
-        stress = checks.positive("normal", checks.line("normal", normal))
-        if stress.size != time.size:
-            raise InputError("normal", expected=f"one for each of the {time.size} times", got=stress.size)
+        stress = checks.positive("normal", one_for_each("normal", normal, time))
         if self.b == 0:
             raise InputError("b", expected="a number other than 0 beside alpha", got=self.b)
         return np.append(self.alpha / self.b * np.diff(np.log(stress)), 0.0)
@@ -172,9 +170,8 @@ class RateAndState:
 
 def timetable(time: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats]:
     """Check times, which never fall, and velocities, not below 0."""
-    times, velocities = checks.line("time", time), checks.line("velocity", velocity)
-    if velocities.size != times.size or not times.size:
-        raise InputError("velocity", expected=f"one for each of the {times.size} times", got=velocities.size)
+    times = checks.line("time", time)
+    velocities = one_for_each("velocity", velocity, times)
     falls = np.diff(times) < 0
     if falls.any():
         at = int(np.argmax(falls))
@@ -188,6 +185,14 @@ def timetable(time: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats]:
             advice="cutting the record at the reversal, or smoothing a noisy displacement",
         )
     return times, velocities
+
+
+def one_for_each(name: str, values: ArrayLike, times: Floats) -> Floats:
+    """Check numbers that belong to times, of which there is at least one."""
+    array = checks.line(name, values)
+    if array.size != times.size or not times.size:
+        raise InputError(name, expected=f"one for each of the {times.size} times", got=array.size)
+    return array
 
 
 def first_velocity(velocity: Floats) -> float:

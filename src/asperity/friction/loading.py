@@ -44,12 +44,13 @@ class Drive:
     """A load point with a constant velocity between kinks.
 
     Kinks are times with standard errors `spread`, shape (m,). Velocities are those before, between and after
-    them, shape (m + 1,), 0 at rest.
+    them, shape (m + 1,), 0 at rest, with standard errors `error`, or one for all.
     """
 
     kinks: Floats
     velocity: Floats
     spread: Floats
+    error: Floats | float = 0.0
 
     def edges(self, time: Floats) -> Floats:
         """The first time, the kinks, and the last time."""
@@ -68,8 +69,9 @@ class Drive:
     def between(self, start: float, stop: float) -> Drive:
         """Return the part with the kinks between two times."""
         inside = slice(np.searchsorted(self.kinks, start, "right"), np.searchsorted(self.kinks, stop))
-        velocity = self.velocity[inside.start : inside.stop + 1]
-        return Drive(self.kinks[inside], velocity, self.spread[inside])
+        every = slice(inside.start, inside.stop + 1)
+        error = np.broadcast_to(self.error, self.velocity.shape)[every]
+        return Drive(self.kinks[inside], self.velocity[every], self.spread[inside], error)
 
     def per_row(self, time: Floats) -> Floats:
         """Velocity of the interval that ends at each time, not below 0, with kinks at rows; shape (n,)."""
@@ -231,9 +233,11 @@ class _Pieces:
         beside = np.maximum(np.append(0.0, np.abs(speeds[:-1])), np.append(np.abs(speeds[1:]), 0.0))
         speeds[(speeds < SLOW * beside) & (speeds > -5 * SLOW * beside)] = 0.0
         rows = np.diff(self.edges)
-        # The error of a line at its end is twice that of its mean.
-        errors = np.array([4 * line[2] for line in lines]) / np.maximum(1, rows - 2) / rows
-        centers = np.array([self.time[slice(*pair)].mean() for pair in pairs])
+        means = np.array([line[2] for line in lines]) / np.maximum(1, rows - 2) / rows
+        errors = 4 * means  # the error of a line at its end is twice that of its mean
+        times = [self.time[slice(*pair)] for pair in pairs]
+        centers, widths = (np.array([of(part) for part in times]) for of in (np.mean, np.std))
+        of_speeds = np.where(speeds == 0, 0.0, np.sqrt(means) / np.maximum(widths, 1e-300))
         starts = np.array([line[0] for line in lines]) - speeds * centers
         turns = np.flatnonzero(np.diff(speeds))  # not between two rests
         change = np.diff(speeds)[turns]
@@ -242,7 +246,8 @@ class _Pieces:
         room = 2 * (after - before)
         kinks = np.clip((starts[turns] - starts[turns + 1]) / change, before - room, after + room)
         spread = np.maximum(after - before, np.sqrt(errors[turns] + errors[turns + 1]) / np.abs(change))
-        return Drive(kinks, speeds[np.append(0, turns + 1)], spread)
+        every = np.append(0, turns + 1)
+        return Drive(kinks, speeds[every], spread, of_speeds[every])
 
 
 def _split(time: Floats, place: Floats, noise: float, *, always: bool = False) -> int:

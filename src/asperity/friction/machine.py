@@ -22,11 +22,8 @@ from asperity.friction.loading import Drive
 from asperity.friction.normal_stress import NormalStress
 from asperity.friction.slider import Course, RunsAwayError, Shape, follow
 
-_DIFFERENCE = 1e-4
-"""Step of differences for errors, in logarithms: above errors of the integrator, as k may hardly matter."""
-
-FINE = 3e-6
-"""Step for a search, which ends early on larger ones where holds make the course sensitive."""
+_TINY = 1e-30
+"""Imaginary part whose effect on the residuals is their derivative."""
 
 _EDGE = 1e-3
 """Distance from the end of its range below which a parameter is not determined."""
@@ -59,8 +56,8 @@ class Machine:
     a: float | None
     k: float | None
     noise: tuple[float, float]
-    normal: NormalStress | None = None
-    alpha: float | None = 0.0
+    normal: NormalStress
+    alpha: float | None
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -71,10 +68,10 @@ class Machine:
     def shape(self, point: Floats) -> Shape:
         """The parameters at a point of the search."""
         sizes = {
-            name: float(value) if name in LINEAR else math.exp(value)
+            name: value if name in LINEAR else np.exp(value)
             for name, value in zip(self.names, point, strict=False)
         }
-        return Shape(**{"a": self.a, "k": self.k, "alpha": self.alpha} | sizes)  # type: ignore[arg-type]
+        return Shape(**{"a": self.a, "k": self.k, "alpha": self.alpha} | sizes)
 
     def moved(self, point: Floats) -> Drive:
         """The drive with the kinks of a point."""
@@ -82,10 +79,7 @@ class Machine:
 
     def course(self, point: Floats) -> Course:
         """The slider at a point; `RunsAwayError` in stick-slip."""
-        return self._followed(self.shape(point), self.moved(point))
-
-    def _followed(self, shape: Shape, drive: Drive, base: Course | None = None, kink: int = 0) -> Course:
-        return follow(self.law, shape, drive, self.time, base, kink, self.normal)
+        return follow(self.law, self.shape(point), self.moved(point), self.time, self.normal)
 
     @cached_property
     def columns(self) -> Floats:
@@ -132,38 +126,40 @@ class Machine:
             sizes = [rows.size for _, rows, _ in self.pieces]
             return np.full(int(self.used.sum()) + sum(sizes) + int(self.measured.sum()), np.nan)
 
-    def slopes(self, point: Floats, many: int, difference: float = _DIFFERENCE) -> Floats:
+    def slopes(self, point: Floats, many: int) -> Floats:
         """Derivatives of mu_0, drift and residuals, in columns for the first `many` searched numbers."""
-        base = self.course(point)
-        linear, parts = self.compared(point, base)
-        values, columns = np.concatenate([linear, *parts]), []
-        for n in range(many):
-            step = self._step(n, self.shape(point), difference)
-            try:
-                ahead = self._beside(point, n, step, base)
-            except RunsAwayError:  # beside the limit of stability
-                step = -step
-                ahead = self._beside(point, n, step, base)
-            columns.append((ahead - values) / step)
-        return np.column_stack(columns)
+        every = point + 1j * _TINY * np.eye(many, point.size)
+        return np.column_stack([self._slope(ahead, self.moved(ahead), self.normal) for ahead in every])
 
-    def _beside(self, point: Floats, n: int, step: float, base: Course) -> Floats:
-        """mu_0, drift and residuals at a point that differs in one number."""
-        ahead, kink = point.copy(), n - len(self.names)
-        ahead[n] += step
-        from_kink = () if kink < 0 else (base, kink)
-        course = self._followed(self.shape(ahead), self.moved(ahead), *from_kink)
-        linear, parts = self.compared(ahead, course)
-        return np.concatenate([linear, *parts])
+    def _slope(self, point: Floats, drive: Drive, normal: NormalStress) -> Floats:
+        """Derivatives of mu_0, drift and residuals along the tiny imaginary part of one of these."""
+        course = follow(self.law, self.shape(point), drive, self.time, normal)
+        linear, parts = self.compared(point, course)
+        return np.asarray(np.concatenate([linear, *parts]).imag / _TINY)
 
     def covariance(self, point: Floats) -> Floats:
-        """Covariance of mu_0, drift and named parameters; the first two also follow the searched ones."""
-        slopes = self.slopes(point, point.size)
+        """Covariance of mu_0, drift and named parameters; the first two also follow the searched ones.
+
+        All follow the velocities of the load point and the times at which the normal stress turns, which have
+        errors, and are not searched.
+        """
+        slopes, drive, normal = self.slopes(point, point.size), self.moved(point), self.normal
         drags, searched = slopes[:2], inverse_square(slopes[2:])
         cross = drags @ searched
         linear = self.noise[0] ** 2 * self._inverse @ self._inverse.T + cross @ drags.T
+        moves = [np.zeros(len(slopes))]
+        for one in np.diag(np.broadcast_to(drive.error, drive.velocity.shape)):
+            off = replace(drive, velocity=drive.velocity + 1j * _TINY * one)
+            moves += [self._slope(point, off, normal)] if one.any() else []
+        for one in np.diag(np.broadcast_to(normal.error, normal.time.shape)):
+            turned = replace(normal, time=normal.time + 1j * _TINY * one)
+            moves += [self._slope(point, drive, turned)] if one.any() else []
+        moved = np.column_stack(moves)
+        followed = -searched @ slopes[2:].T @ moved[2:]
+        whole = np.concatenate([moved[:2] + drags @ followed, followed])
         count = 2 + len(self.names)
-        return np.block([[linear, cross], [cross.T, searched]])[:count, :count]
+        covariance = np.block([[linear, cross], [cross.T, searched]]) + whole @ whole.T
+        return np.asarray(covariance[:count, :count])
 
     @cached_property
     def bounds(self) -> tuple[Floats, Floats]:
@@ -186,13 +182,6 @@ class Machine:
         """Names of parameters at the end of their range, which are not determined."""
         ends = np.abs(np.array(self.bounds) - point).min(axis=0)
         return frozenset(name for name, end in zip(self.names, ends, strict=False) if end < _EDGE)
-
-    def _step(self, n: int, shape: Shape, difference: float) -> float:
-        if n < len(self.names):
-            return difference * (max(shape.a, abs(shape.b)) if self.names[n] in LINEAR else 1.0)
-        at = n - len(self.names)
-        change = abs(float(self.drive.velocity[at + 1] - self.drive.velocity[at]))
-        return min(10 * difference * shape.D_c / change, 0.05 * float(self.drive.spread[at]))
 
     def judged(self, point: Floats) -> tuple[Machine, float, float]:
         """The machine with the noise at a point; correlation and independent share of the rows of friction.

@@ -22,11 +22,15 @@ _TOGETHER = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class NormalStress:
-    """A normal stress over its mean, straight between few times, and steady friction at the first."""
+    """A normal stress over its mean, straight between few times, and steady friction at the first.
+
+    Each time lies anywhere between the middles of two rows: it has the standard error `error`, 0 at the ends.
+    """
 
     time: Floats
     value: Floats
     friction: float
+    error: Floats | float = 0.0
 
     @classmethod
     def of(cls, time: Floats, values: Floats, friction: Floats, kinks: Floats) -> NormalStress:
@@ -47,11 +51,16 @@ class NormalStress:
         places = time[sorted(nodes)]
         hats = np.column_stack([np.interp(time, places, hat) for hat in np.eye(places.size)])
         steady = friction[time <= np.append(kinks, places[1]).min()]
-        return cls(places, np.asarray(np.linalg.lstsq(hats, values)[0], float), float(steady.mean()))
+        value = np.asarray(np.linalg.lstsq(hats, values)[0], float)
+        gaps = np.gradient(time)[sorted(nodes)]
+        gaps[[0, -1]] = 0.0
+        return cls(places, value, float(steady.mean()), gaps / math.sqrt(12))
 
     def at(self, time: Floats) -> Floats:
         """Value at each time, shape (n,)."""
-        return np.asarray(np.interp(time, self.time, self.value))
+        last = np.clip(np.searchsorted(self.time.real, time.real, "right") - 1, 0, self.time.size - 2)
+        slope = np.diff(self.value) / np.diff(self.time)
+        return np.asarray(self.value[last] + slope[last] * (time - self.time[last]))
 
     def edges(self, others: Floats) -> Floats:
         """Times at which it turns, and others, which stay."""

@@ -106,6 +106,11 @@ class RateAndStateFit(FitResult):
         return not self.at_edge and self.D_c_stderr < self.D_c
 
     @property
+    def stiffness_from(self) -> str:
+        """Whether the stiffness of the machine was given or fitted."""
+        return "fitted" if getattr(self, "stiffness_stderr", 0.0) > 0 else "given"
+
+    @property
     def parameters(self) -> RateAndState:
         """The law with these parameters."""
         names = [item.name for item in fields(RateAndState)]

@@ -16,11 +16,11 @@ from asperity.base.checks import Floats
 from asperity.base.words import as_text, number
 from asperity.errors import InputError
 from asperity.friction.events import rows_of
-from asperity.friction.laws import StateLaw
+from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.friction.loading import Drive, drive_of_slip, variance
 from asperity.friction.machine import Machine
 from asperity.friction.normal_stress import NormalStress
-from asperity.friction.parameters import MachineFit, described
+from asperity.friction.parameters import MISSES, MachineFit, described
 from asperity.friction.records import Record
 from asperity.friction.searching import solve
 from asperity.friction.slider import RunsAwayError
@@ -83,33 +83,44 @@ def pulled_fit(
         raise InputError("record", expected=expected, got="the strength at rest")
     rows, drive = record.time.size, record.drive
     if drive is None:
-        force = record.friction if record.normal is None else record.friction * record.normal
+        force = record.friction * record.pressing
         drive, _ = drive_of_slip(record.time, record.displacement, force)
         record = replace(record, slip=record.displacement, drive=drive, velocity=drive.per_row(record.time))
     if drive.velocity[0] == 0 and drive.kinks.size:  # steady from the middle of the first slide on
         record = record.between(float(drive.edges(record.time)[1:3].mean()))
         drive = drive.between(record.time[0], math.inf)
     used, time, friction, slip = rows_of(record, events), record.time, record.friction, record.slip
-    normal = None if record.normal is None else NormalStress.of(time, record.normal, friction, drive.kinks)
-    edges = drive.edges(time)
-    refuse_oscillation(record, drive, edges if normal is None else normal.edges(edges))
+    normal = NormalStress.of(time, record.pressing, friction, drive.kinks)
+    refusal = oscillation(record, drive, normal.edges(drive.edges(time)))
     if a is None:
         a = record.a
     fixed = None if a is None or a == "fitted" else checks.number("a", a, above=0.0)
     noise = math.sqrt(variance(time, friction)), 1.0 if slip is None else math.sqrt(variance(time, slip))
     measured = np.full(drive.kinks.size, record.load_point is not None)
-    machine = Machine(law, time, friction, slip, drive, used, measured, fixed, k, noise, normal)
-    if record.presses_anew:
-        machine = replace(machine, alpha=None)
+    alpha = None if record.presses_anew else 0.0
+    machine = Machine(law, time, friction, slip, drive, used, measured, fixed, k, noise, normal, alpha)
+
+    def fitted(each: StateLaw) -> MachineFit:
+        try:
+            solution = solve(replace(machine, law=each))
+        except RunsAwayError:
+            raise _stick_slip("at every a, b and D_c tried friction falls faster than the spring") from None
+        return _result(record, *solution, rows - time.size, V_0)
+
+    # Near the limit of stability oscillations die out so slowly that only a law tells them from stick-slip.
+    if refusal is None:
+        return fitted(law)
     try:
-        solution = solve(machine)
-    except RunsAwayError:
-        raise _stick_slip("at every a, b and D_c tried friction falls faster than the spring") from None
-    return _result(record, *solution, rows - time.size, V_0)
+        fits = {each: fitted(each) for each in STATE_LAWS}
+    except InputError:
+        raise refusal from None
+    if min(float(np.std(fit.residual)) for fit in fits.values()) >= MISSES * noise[0]:
+        raise refusal
+    return fits[law]
 
 
-def refuse_oscillation(record: Record, drive: Drive, edges: Floats) -> None:
-    """Refuse oscillations of one period that do not die out while nothing of the machine changes."""
+def oscillation(record: Record, drive: Drive, edges: Floats) -> InputError | None:
+    """What refuses oscillations of one period that do not die out while nothing of the machine changes."""
     time, friction, second = record.time, record.friction, record.scales[0]
     least = max(_LIKE_NOISE * math.sqrt(variance(time, friction)), _LARGE * float(np.ptp(friction)))
     for n, speed in enumerate(drive.along(edges)):
@@ -121,7 +132,8 @@ def refuse_oscillation(record: Record, drive: Drive, edges: Floats) -> None:
             slip = f"{period * speed / record.scales[1]:.3g} {record.units[1]}"
             text = f"{peaks.size} oscillations from {span} with a period of {period / second:.3g}"
             text = f"{text} {record.units[0]}, {slip} of the load point, that do not die out"
-            raise _stick_slip(f"{text}, the last of {height:.2g}")
+            return _stick_slip(f"{text}, the last of {height:.2g}")
+    return None
 
 
 def _cycles(friction: Floats, least: float) -> tuple[NDArray[np.intp], float] | None:
@@ -202,9 +214,8 @@ def _result(
     """The fit in units of the record, with mu_0 at the reference velocity."""
     shape, start = machine.shape(point), float(machine.drive.velocity[0])
     a, b, D_c, k, _ = shape
-    changes = point[len(machine.names) :]
-    if machine.normal is not None:
-        k, changes = k / float(machine.normal.value.max()), np.append(changes, machine.normal.kinks)
+    k = k / float(machine.normal.value.max())
+    changes = np.append(point[len(machine.names) :], machine.normal.kinks)
     if k * D_c < b - a:
         unit, length = record.units[1], record.scales[1]
         lost = (b - a) / D_c * length

@@ -114,12 +114,13 @@ def read_record(
     ratios = [kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(by_role)]
     motions = [role for role in _MOTIONS if role in by_role]
     if "time" not in by_role or not motions or not ("friction" in by_role or ratios):
-        raise InputError(
-            name,
-            expected="columns of time, of load point, velocity or displacement, and of friction or stresses",
-            got=named(columns_read.table),
-            advice=f"a first line that names them with their units, such as {_EXAMPLES}",
-        )
+        expected = "columns of time, of load point, velocity or displacement, and of friction or stresses"
+        known = [at for at, role in enumerate(columns_read.roles) if role]
+        if not set(known) <= set(columns_read.chosen):
+            got = f"those of {', '.join(by_role) or 'none'}"
+            raise InputError("columns", expected=expected, got=got, cure={"columns": known})
+        advice = f"a first line that names them with their units, such as {_EXAMPLES}"
+        raise InputError(name, expected=expected, got=named(columns_read.table), advice=advice)
     if "load point" in motions or "velocity" not in motions:
         motions = [role for role in motions if role != "velocity"]
     else:
@@ -129,21 +130,19 @@ def read_record(
     time = columns_read.values("time", bare=not has_units)
     kept = _window(time, start, stop, columns_read.unit("time"))
     moved = {role: columns_read.values(role, bare=not has_units)[kept] for role in motions}
-    how: dict[str, Any] = {}
-    if "friction" in by_role:
-        friction = columns_read.values("friction")[kept]
-    else:
-        parts = [f"{kind} {ratios[0]}" for kind in ("shear", "normal")]
-        bare = not any(map(columns_read.unit, parts))
-        shear, normal = (columns_read.values(part, bare=bare)[kept] for part in parts)
-        how = {"normal": _changing(time[kept], normal, parts[1], columns_read.unit(parts[1]), name)}
-        friction = shear / normal
-    how |= {"strength_at_rest": strength_at_rest, "si": has_units, "source": name}
+    how: dict[str, Any] = {"strength_at_rest": strength_at_rest, "si": has_units, "source": name}
+    parts = [f"{kind} {ratios[0]}" for kind in ("shear", "normal")] if "friction" not in by_role else []
+    bare = not any(map(columns_read.unit, parts))
     for part in ("normal stress", "normal force"):
-        if part in by_role and columns_read.unit(part):
-            values = columns_read.values(part)[kept]
-            how["normal"] = _changing(time[kept], values, part, columns_read.unit(part), name)
-            how[part.replace(" ", "_")] = float(values.mean())
+        if part in parts or (part in by_role and columns_read.unit(part)):
+            values, unit = columns_read.values(part, bare=bare)[kept], columns_read.unit(part)
+            how["normal"] = _changing(time[kept], values, part, unit, name)
+            how |= {part.replace(" ", "_"): float(values.mean())} if unit else {}
+    if parts:
+        shear, normal = (columns_read.values(part, bare=bare)[kept] for part in parts)
+        friction = shear / normal
+    else:
+        friction = columns_read.values("friction")[kept]
     lengths = [columns_read.unit(role).partition("/")[0] for role in motions]
     how |= {"read": columns_read.read, "units": (columns_read.unit("time"), lengths[0])}
     try:

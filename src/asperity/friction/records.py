@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.base import checks, units, views
 from asperity.base.checks import Floats
 from asperity.errors import InputError
-from asperity.friction.laws import timetable
+from asperity.friction.laws import one_for_each, timetable
 from asperity.friction.loading import STEP, Drive, drive_of, drive_of_slip
 from asperity.friction.normal_stress import changes
 
@@ -88,28 +88,17 @@ class Record(views.Brief):
 
     def __post_init__(self) -> None:
         time, velocity = timetable(self.time, self.velocity)
-        friction = checks.positive("friction", checks.line("friction", self.friction))
-        if friction.size != time.size:
-            expected = f"one for each of the {time.size} times"
-            raise InputError("friction", expected=expected, got=friction.size)
-        for name, values in (("time", time), ("velocity", velocity), ("friction", friction)):
+        numbers = {"time": time, "velocity": velocity}
+        for name in ("friction", *["normal"] * (self.normal is not None)):
+            numbers[name] = checks.positive(name, one_for_each(name, getattr(self, name), time))
+        for name, values in numbers.items():
             object.__setattr__(self, name, values)
-        if self.normal is not None:
-            normal = checks.positive("normal", checks.line("normal", self.normal))
-            if normal.size != time.size:
-                expected = f"one for each of the {time.size} times"
-                raise InputError("normal", expected=expected, got=normal.size)
-            object.__setattr__(self, "normal", normal)
         if not self.si:
             object.__setattr__(self, "units", ("", ""))
 
     @classmethod
     def of_displacement(
-        cls,
-        time: ArrayLike,
-        displacement: ArrayLike,
-        friction: ArrayLike,
-        **about: Unpack[About],
+        cls, time: ArrayLike, displacement: ArrayLike, friction: ArrayLike, **about: Unpack[About]
     ) -> Record:
         """Make a record of the displacement (length) in place of the velocity.
 
@@ -178,9 +167,8 @@ class Record(views.Brief):
         timetable(times, np.zeros_like(times))
         if name == "slip":
             normal = about.get("normal")
-            driven, compliance = drive_of_slip(
-                times, places[name], values * (1.0 if normal is None else normal)
-            )
+            force = values if normal is None else values * normal
+            driven, compliance = drive_of_slip(times, places[name], force)
             if compliance == 0 and not (np.diff(places[name]) < 0).any():
                 return cls.of_displacement(times, places[name], values, **about)
         else:
@@ -197,12 +185,12 @@ class Record(views.Brief):
         if (driven.velocity < 0).any():
             n, unit = int(np.argmax(driven.velocity < 0)), record.units[0]
             start, end = driven.edges(times)[n : n + 2] / record.scales[0]
-            raise InputError(
-                name.replace("_", " "),
-                expected="a displacement that goes on in one direction",
-                got=f"{record.speed(driven.velocity[n])} from {start:.6g} to {end:.6g} {unit}",
-                advice="a part of the record",
-            )
+            got = f"{record.speed(driven.velocity[n])} from {start:.6g} to {end:.6g} {unit}"
+            expected, advice = "a displacement that goes on in one direction", "a part of the record"
+            if name == "slip":
+                expected = "slip whose load point, slip + friction/k, goes on in one direction for some k"
+                advice = "a column of the load point, more rows in each hold, or a part of the record"
+            raise InputError(name.replace("_", " "), expected=expected, got=got, advice=advice)
         return record
 
     def between(self, start: float, stop: float = math.inf) -> Record:
@@ -229,6 +217,11 @@ class Record(views.Brief):
     def displacement(self) -> Floats:
         """Slip since the first time, shape (n,)."""
         return np.cumsum(self.velocity * np.diff(self.time, prepend=self.time[0]))
+
+    @property
+    def pressing(self) -> Floats:
+        """Normal stress over its mean, shape (n,)."""
+        return np.ones_like(self.time) if self.normal is None else self.normal
 
     @property
     def presses_anew(self) -> bool:

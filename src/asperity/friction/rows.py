@@ -10,23 +10,11 @@ from asperity.base import views
 from asperity.base.readable import written
 from asperity.base.rows import Row, table_rows
 from asperity.base.words import counted, thousands, uncertain
-from asperity.friction.comparing import StateLaws
+from asperity.friction.comparing import PARAMETERS, StateLaws
 from asperity.friction.events import Event
 from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.friction.parameters import MISSES, MachineFit, RateAndStateFit
 from asperity.friction.records import Record
-
-_OPEN = 100.0
-"""Relative standard error above which a parameter is not determined."""
-
-_NAMES = (
-    ("mu_0", "mu_0"),
-    ("a", "a"),
-    ("b", "b"),
-    ("D_c", "D_c"),
-    ("a - b", "a_minus_b"),
-    ("alpha", "alpha"),
-)
 
 
 @views.defines(StateLaws.rows)
@@ -44,8 +32,8 @@ def rows_of(laws: StateLaws, /, first: str = "") -> list[Row]:
     for law in sorted(STATE_LAWS, key=lambda name: name != laws.preferred):
         rows += _law(laws, law)
     rows.append(Row("verdict", _verdict(laws)))
-    if isinstance(fit, MachineFit):
-        rows += _machine(laws, fit)
+    if any(isinstance(each, MachineFit) for each in laws.every):
+        rows += _machine(laws)
     if fit.determined and fit.D_c < record.finest_slip:
         finest = written(record.finest_slip, "m" if record.si else "1", 3)
         text = f"D_c is shorter than the slip between two values, {finest}, and not well resolved"
@@ -58,18 +46,17 @@ def rows_of(laws: StateLaws, /, first: str = "") -> list[Row]:
     return rows
 
 
-def _machine(laws: StateLaws, fit: MachineFit) -> list[Row]:
+def _machine(laws: StateLaws) -> list[Row]:
     (second, length), (time_unit, unit) = laws.record.scales, laws.record.units
     heads = ("law", "stiffness", f"k (1/{unit})", "a", "b", f"D_c ({unit})", "mu_0", "misfit")
     table: list[tuple[str, ...]] = [heads]
     for other in laws.every:
-        assert isinstance(other, MachineFit)
-        k = f"{other.stiffness * length:.4g}"
-        if other.stiffness_at_edge or other.stiffness_stderr > other.stiffness:
-            k = "not determined"
+        k = "inf"
+        if isinstance(other, MachineFit):
+            open_ = other.stiffness_at_edge or other.stiffness_stderr > other.stiffness
+            k = "not determined" if open_ else f"{other.stiffness * length:.4g}"
         mu_0, misfit = uncertain(other.mu_0, other.mu_0_stderr), f"{float(np.std(other.residual)):.2g}"
-        origin = "given" if other.stiffness_stderr == 0 else "fitted"
-        table.append((other.law, origin, k, *_numbers(other, length), mu_0, misfit))
+        table.append((other.law, other.stiffness_from, k, *_numbers(other, length), mu_0, misfit))
     rows = table_rows("machine", table)
     moved: list[str] = []
     kept: list[str] = []
@@ -83,20 +70,22 @@ def _machine(laws: StateLaws, fit: MachineFit) -> list[Row]:
     if moved:
         rows.append(Row("", f"law and stiffness change {', '.join(moved)}: state both with the value"))
     for other in laws.every:
-        assert isinstance(other, MachineFit)
-        if other.misfit >= MISSES:
-            origin = "given" if other.stiffness_stderr == 0 else "fitted"
+        if isinstance(other, MachineFit) and other.misfit >= MISSES:
             least, most = (f"{end / length:.2g}" for end in (other.tried[0], other.tried[-1]))
-            text = f"{other.law} law, k {origin}: misfit {other.misfit:.2g} times the noise before the first"
-            text += f" kink, the least from {len(other.tried)} starts with D_c from {least} to {most} {unit}"
-            rows.append(Row("note", f"{text}; the law does not describe the record"))
+            text = f"{other.law} law, k {other.stiffness_from}: misfit {other.misfit:.2g} times the noise"
+            text += f" before the first kink, the least from {len(other.tried)} starts"
+            text += f" with D_c from {least} to {most}"
+            rows.append(Row("note", f"{text} {unit}; the law does not describe the record"))
+    fit = laws.fits[laws.preferred]
+    if not isinstance(fit, MachineFit):
+        return rows
     drift, error = fit.drift * length, fit.drift_stderr * length
     rows.append(Row("drift", drift, f"1/{unit} of the load point", error=error))
     for n in fit.released:
         assert laws.record.drive is not None
         seen, turned = float(laws.record.drive.kinks[n]) / second, float(fit.kinks[n]) / second
-        text = f"friction turns at {turned:.6g} {time_unit}, the load point at {seen:.6g}: friction counts"
-        rows.append(Row("note", text))
+        text = f"friction turns at {turned:.6g} {time_unit}, the load point at {seen:.6g}"
+        rows.append(Row("note", f"{text}: the fit takes the time of friction"))
     return rows
 
 
@@ -122,20 +111,17 @@ def rows_of_events(fits: Mapping[Event, MachineFit | None], record: Record) -> l
 def _law(laws: StateLaws, law: StateLaw) -> list[Row]:
     record, fit = laws.record, laws.fits[law]
     rows = [Row(f"{law} law", "mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)")]
-    for text, name in _NAMES:
-        if name not in laws.estimates[law]:
-            continue
-        estimate = laws.estimates[law][name]
-        value, stderr, low, high = (
-            float(part) for part in (estimate.value, estimate.stderr, estimate.low, estimate.high)
-        )
-        unit = "m" if name == "D_c" and record.si else "1"
-        row = Row(f"  {text}", value, unit, (low, high), error=stderr)
+    for name in PARAMETERS + ("alpha",) * ("alpha" in laws.estimates[law]):
+        estimate, text = laws.estimates[law][name], f"  {name.replace('_minus_', ' - ')}"
+        value, unit = float(estimate.value), "m" if name == "D_c" and record.si else "1"
         if name == "a" and fit.a_stderr == 0:
-            row = Row(f"  {text}", value, note=", as given")
-        elif (name in ("D_c", "alpha") and not fit.determined) or stderr > _OPEN * abs(value):
-            row = Row(f"  {text}", "not determined by this record")
-        rows.append(row)
+            known = "of a constant shear strength" if value == record.a else "as given"
+            rows.append(Row(text, value, note=f", {known}"))
+        elif laws.is_open(law, name):
+            rows.append(Row(text, "not determined by this record"))
+        else:
+            ends = float(estimate.low), float(estimate.high)
+            rows.append(Row(text, value, unit, ends, error=float(estimate.stderr)))
     V_0 = written(fit.V_0, "m/s" if record.si else "1")
     return [*rows, Row("", f"at V_0 = {V_0}, misfit {100 * fit.rms_residual:.2g} % rms")]
 

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from asperity.base.checks import Floats
-from asperity.friction.machine import FINE, Machine
+from asperity.friction.machine import Machine
 from asperity.friction.slider import RunsAwayError
 
 _STARTS = {"a": (0.03, 0.1, 0.3), "b": (0.7, 1.3), "D_c": (1e-3, 0.01, 0.03, 0.1, 0.3, 1.0), "k": (0.7, 2.0)}
@@ -96,11 +96,9 @@ def _stiffness_seen(machine: Machine) -> float:
     Where a normal stress stops growing, the slider has stopped, as if the load point sped up from rest.
     """
     slopes: dict[bool, list[float]] = {True: [], False: []}
-    drive, friction, edges = machine.drive, machine.friction, machine.drive.edges(machine.time)
-    velocity = drive.velocity
-    if machine.normal is not None:
-        friction, edges = friction * machine.normal.at(machine.time), machine.normal.edges(edges)
-        velocity = np.where(np.diff(machine.normal.at(edges)) > _GREW, 0.0, drive.along(edges))
+    drive, normal = machine.drive, machine.normal
+    friction, edges = machine.friction * normal.at(machine.time), normal.edges(drive.edges(machine.time))
+    velocity = np.where(np.diff(normal.at(edges)) > _GREW, 0.0, drive.along(edges))
     for n, change in enumerate(np.diff(velocity).tolist()):
         rows = (machine.time >= edges[n + 1]) & (machine.time <= edges[n + 2])
         if change and rows.sum() > 3:
@@ -125,7 +123,7 @@ def _polished(machine: Machine, start: Floats, evaluations: int, many: int) -> t
         return machine.residual(np.concatenate([part, start[many:]]))
 
     def jacobian(part: Floats) -> Floats:
-        return machine.slopes(np.concatenate([part, start[many:]]), many, FINE)[2:]
+        return machine.slopes(np.concatenate([part, start[many:]]), many)[2:]
 
     if not np.isfinite(residual(start[:many])).all():
         return None

@@ -36,6 +36,10 @@ _CURVATURE = float(zeta(1.5) * (zeta(1.5, 0.25) - zeta(1.5, 0.75)) / 8)  # beta 
 _CONSTANT = 3.900264920001956  # -4 zeta(1/2) beta(1/2); scipy has no zeta function below 1
 
 
+_UNITS = {"load": "N", "pressure": "Pa", "modulus": "Pa", "slope": "1"}
+"""Units of arguments; of others m. Loads and pressures may be 0."""
+
+
 @dataclass(frozen=True)
 class Hertz:
     """An elastic sphere on a plane; each is an array of the shape of the arguments.
@@ -71,11 +75,7 @@ def hertz(load: ArrayLike, *, modulus: ArrayLike, radius: ArrayLike, period: flo
     K. L. Johnson, *Contact Mechanics* (Cambridge 1985), Eqs. (4.22) to (4.24), (3.36), DOI
     10.1017/CBO9781139171731. The array: see `asperity.theory.continua`.
     """
-    F, E, R = broadcast(
-        load=not_negative("load", either("load", load, "N")),
-        modulus=positive("modulus", either("modulus", modulus, "Pa")),
-        radius=positive("radius", either("radius", radius, "m")),
-    )
+    F, E, R = _numbers(load=load, modulus=modulus, radius=radius)
     L = math.inf if period is None else number("period", period, "m", above=0)
     others = F / (np.pi * E)
     R = 1 / (1 / R + 2 * _CURVATURE * others / L**3)
@@ -105,11 +105,8 @@ def westergaard_area(
     H. M. Westergaard, J. Appl. Mech. 6, 49 (1939), DOI 10.1115/1.4008919; K. L. Johnson, *Contact Mechanics*
     (Cambridge 1985), section 13.2.
     """
-    p, E, height, length = broadcast(
-        pressure=not_negative("pressure", either("pressure", pressure, "Pa")),
-        modulus=positive("modulus", either("modulus", modulus, "Pa")),
-        amplitude=positive("amplitude", either("amplitude", amplitude, "m")),
-        wavelength=positive("wavelength", either("wavelength", wavelength, "m")),
+    p, E, height, length = _numbers(
+        pressure=pressure, modulus=modulus, amplitude=amplitude, wavelength=wavelength
     )
     full = np.pi * E * height / length
     return np.asarray(2 / np.pi * np.arcsin(np.sqrt(np.minimum(p / full, 1.0))))[()]
@@ -129,9 +126,16 @@ def persson_area(pressure: ArrayLike, *, modulus: ArrayLike, slope: ArrayLike) -
     B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001), DOI 10.1063/1.1388626; Phys. Rev. Lett. 87, 116101
     (2001), DOI 10.1103/PhysRevLett.87.116101.
     """
-    p, E, gradient = broadcast(
-        pressure=not_negative("pressure", either("pressure", pressure, "Pa")),
-        modulus=positive("modulus", either("modulus", modulus, "Pa")),
-        slope=positive("slope", slope),
-    )
+    p, E, gradient = _numbers(pressure=pressure, modulus=modulus, slope=slope)
     return np.asarray(erf(math.sqrt(2) * p / (E * gradient)))[()]
+
+
+def _numbers(**values: ArrayLike) -> list[Floats]:
+    """Check numbers, each alone or with its unit, and broadcast them."""
+    numbers = {name: either(name, value, _UNITS.get(name, "m")) for name, value in values.items()}
+    return broadcast(
+        **{
+            name: not_negative(name, value) if name in ("load", "pressure") else positive(name, value)
+            for name, value in numbers.items()
+        }
+    )

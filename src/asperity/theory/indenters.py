@@ -33,6 +33,7 @@ from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.base.units import number
 from asperity.errors import InputError
+from asperity.theory.memory import history
 
 Shape = Literal["ball", "cone", "punch"]
 SHAPES = get_args(Shape)
@@ -127,12 +128,7 @@ def ting(
     ----------
     See `asperity.theory.indenters`.
     """
-    t, d = checks.line("time", time), checks.line("depth", depth)
-    if t.shape != d.shape or t.size == 0:
-        raise InputError("depth", expected=f"a depth for each of {t.size} times", got=f"{d.size} depths")
-    if (np.diff(t) < 0).any():
-        at = int(np.argmax(np.diff(t) < 0))
-        raise InputError("time", expected="times that do not fall", got=f"{t[at]} before {t[at + 1]}")
+    t, d = history(time=time, depth=depth)
     last = _last_approach(t, d, retraction)
     shape = tip_of(tip, radius, angle)
     times = np.array([time for _, time in series.branches])

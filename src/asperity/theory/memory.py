@@ -67,26 +67,18 @@ def response_rate(
     return rate + slope * at_once if instantaneous else rate
 
 
-def history(x2: ArrayLike, **values: ArrayLike) -> list[Floats]:
-    """Check times that never decrease, and finite values at each of them: shape (n,), n at least 1."""
-    arrays = {name: checks.floats(name, value) for name, value in {"x2": x2, **values}.items()}
-    times = arrays["x2"]
-    if times.ndim != 1 or times.size == 0:
-        raise InputError("x2", expected="times, shape (n,), n at least 1", got=f"shape {times.shape}")
+def history(**values: ArrayLike) -> list[Floats]:
+    """Check times that never decrease, the first of some values, and the others: shape (n,), n at least 1."""
+    arrays = {name: checks.line(name, value) for name, value in values.items()}
+    first, times = next(iter(arrays.items()))
     for name, array in arrays.items():
-        if array.shape != times.shape:
-            expected = f"a value a time, shape {times.shape}"
+        if array.shape != times.shape or not times.size:
+            expected = f"a number for each of {times.size or 'one or more'} times"
             raise InputError(name, expected=expected, got=f"shape {array.shape}")
-        if not np.isfinite(array).all():
-            raise InputError(name, expected="finite numbers", got="inf among them")
-    if (np.diff(times) < 0).any():
-        at = int(np.argmin(np.diff(times)))
-        raise InputError(
-            "x2",
-            expected="times that do not decrease",
-            got=f"{times[at]} before {times[at + 1]}",
-            advice="the same time twice for a jump",
-        )
+    if (falls := np.diff(times) < 0).any():
+        at = int(np.argmax(falls))
+        got, advice = f"{times[at]} before {times[at + 1]}", "the same time twice for a jump"
+        raise InputError(first, expected="times that do not decrease", got=got, advice=advice)
     return list(arrays.values())
 
 
@@ -144,7 +136,7 @@ def _march(
     x2: ArrayLike, force: ArrayLike, x1: float, viscous: float, dimension: int
 ) -> tuple[Floats, Floats, Floats, float]:
     """Depth, delayed speed and slope of the force at every time, and G(0)."""
-    times, forces = history(x2, force=force)
+    times, forces = history(x2=x2, force=force)
     memory = site_memory(
         checks.number("x1", x1, above=0),
         float(times[-1] - times[0]),
