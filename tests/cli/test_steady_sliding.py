@@ -68,7 +68,7 @@ def test_what_cannot_slide_steadily_is_refused(mistaken, scan, table):
     refused = {
         (): "--speeds",
         ASKED[2:]: "--pressure",
-        (*ASKED, "--load", "1mN"): "load or pressure, got both",
+        (*ASKED, "--load", "1mN"): "--load or --pressure, got both",
         ("--pressure", "1MPa"): "--speeds",
         (*ASKED, "--branch", "1 1s"): "flows without end",
         (*ASKED, "--branch", "0.5 1s", "--hardness", "1GPa"): "--hardness: expected none",

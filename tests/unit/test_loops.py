@@ -73,7 +73,8 @@ def test_no_other_module_has_loops():
         for path in source.rglob("*.py")
         if "\n@compiled\n" in path.read_text()
     }
-    assert having == set(MODULES)
+    # A slider's record is followed by one loop, compiled at its first fit.
+    assert having == {*MODULES, "asperity.friction.marching"}
 
 
 @pytest.mark.parametrize("module", MODULES)

@@ -63,7 +63,7 @@ def campaign_figure(dataset: xr.Dataset) -> style.Drawing:
     if name not in dataset or dataset[place].ndim == 0 or not float(dataset[place].max()) > 0:
         expected = "the dataset of a campaign, with times above 0"
         raise InputError("dataset", expected=expected, got="another", advice="asperity.campaign.open(folder)")
-    factor = 100 if quantity == "contact_fraction" else 1
+    factor = 100 if place == "time" else 1
     mean = factor * dataset[name].transpose(..., over)
     spread = factor * dataset[f"{quantity}_stderr"] if name.endswith("mean") else 0 * mean
     swept = sorted(map(str, mean.dims[:-1]), key=lambda dim: dataset.sizes[dim])
@@ -92,17 +92,20 @@ def campaign_figure(dataset: xr.Dataset) -> style.Drawing:
     for axes in grid.flat[len(panels) :]:
         axes.set_axis_off()
     style.legend_below(figure, grid[0, 0], 1 + columns)
-    label = f"{dataset[place].attrs['long_name']}  [{dataset[place].attrs['units']}]"
     if place == "time":
-        label = style.over_time(dataset, f"{'time' if 'leg' in dataset.coords else 'hold time'} $t$")
+        along_place = style.over_time(dataset, f"{'time' if 'leg' in dataset.coords else 'hold time'} $t$")
+    else:
+        along_place = _labelled(dataset[place])
     for axes in grid.flat[max(len(panels) - columns, 0) : len(panels)]:
-        axes.set_xlabel(label)
+        axes.set_xlabel(along_place)
         axes.tick_params(labelbottom=True)
-    attrs = dataset[quantity].attrs
-    of_others = style.with_unit(attrs["long_name"], attrs["units"])
-    figure.supylabel("real contact [% of nominal area]" if factor > 1 else of_others)
+    figure.supylabel("real contact [% of nominal area]" if place == "time" else _labelled(dataset[quantity]))
     style.entitle(figure, "", _title(title, dataset, others, along))
     return figure
+
+
+def _labelled(array: xr.DataArray) -> str:
+    return style.with_unit(array.attrs["long_name"], array.attrs["units"])
 
 
 def _points(dataset: xr.Dataset, dims: list[str], most: int) -> list[Where]:

@@ -152,7 +152,7 @@ def material(
     reference: Annotated[_Positive, Quantity("temperature of the table, such as 20degC.", "K")] = None,
     activation_energy: Annotated[
         _Positive,
-        Quantity("activation energy of the relaxation times (Arrhenius): 100kJ/mol.", "J/mol"),
+        Quantity("activation energy of the relaxation times, by Arrhenius, such as 100kJ/mol.", "J/mol"),
     ] = None,
     wlf: Annotated[
         Sequence[float] | None,

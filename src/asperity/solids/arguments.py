@@ -22,7 +22,7 @@ RATIO = Quantity("Poisson's ratio; two for two bodies.")
 Modulus = Annotated[
     float | str | None,
     *(Gt(0), LARGEST),
-    Quantity("contact modulus E*, before anything relaxes.", "Pa"),
+    Quantity("contact modulus: E*, before anything relaxes.", "Pa"),
 ]
 Young = Annotated[float | str | None, Gt(0), LARGEST, YOUNG]
 Poisson = Annotated[float, Gt(-1), Le(0.5), RATIO]

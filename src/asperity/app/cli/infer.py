@@ -175,6 +175,12 @@ def _is_sliding(file: Path) -> bool:
     return bool({"load point", "velocity", "displacement"} & {*Columns(file, ROLES).roles})
 
 
+def _is_indentation(file: Path) -> bool:
+    from asperity.inference.indenting import is_record
+
+    return is_record(file)
+
+
 def _sliding(
     file: Path, reading: dict[str, Any], error: float | str | None, of_curves: Mapping[str, object]
 ) -> _Data:
@@ -258,10 +264,9 @@ def _curve(
 def _measurements(file: Path, how: dict[str, Any], model: str, quantity: str | None) -> Measurements:
     """Read the values of a model; `InputError` with another model for the values that there are."""
     from asperity.fits import read_measurements
-    from asperity.inference.indenting import is_record
 
     asked = {name: how[name] for name in ("columns", "time", "value")}
-    if model == "ball" and not any(asked.values()) and is_record(file):
+    if model == "ball" and not any(asked.values()) and _is_indentation(file):
         expected = "the radius of the ball, for a record of depth and force"
         advice = "--columns TIME DEPTH, for depths under a constant load"
         raise InputError("--radius", expected=expected, got="none", cure={"radius": "10um"}, advice=advice)

@@ -139,7 +139,8 @@ def _removed(prepared: Surface) -> str:
         return f": removed {height}"
     flat = len(facts["original_shape"]) == 2
     removed = f": removed {height} at the first pixel, {terms[0]} per pixel"
-    removed += f" downward and {terms[1]} per pixel to the right" * flat
+    if flat:
+        removed += f" downward and {terms[1]} per pixel to the right"
     if rule == "quadratic":
         removed += f", and {', '.join(terms[1 + flat :])} per pixel^2"
         removed += " (downward, mixed, to the right)" * flat
