@@ -101,6 +101,23 @@ def test_pins_far_up_hold_like_the_contacts_together(contacts):
     )
 
 
+def test_a_crowd_of_contacts_does_not_give():
+    # Where all sites that share a coarse one are held, so is that, on every grid; a contact alone gives.
+    backend, springs = Processor(), Springs(1.0, 30.0, 1.0)
+    for shape, mirrored in (((64, 64), False), ((61, 63), False), ((62, 59), True)):
+        hierarchy = Hierarchy(Sites(*shape, mirrored), 2, backend)
+        heights = np.full(shape, -1.0)
+        heights[:, :36] = heights[5, 50] = 0.0
+        surface, gap = backend.packed(np.zeros(shape)), backend.packed(heights)
+        hierarchy.set_pins(surface, gap, float(np.mean(heights == 0)), springs)
+        for level, grid in enumerate(hierarchy.grids[:3], start=1):
+            own = backend.unpacked(grid.pins, grid.sites) / 4.0**level
+            inside = slice(2, 36 // 2**level - 2)
+            assert (own[2:-2, inside] > 100 * springs.k1).all()
+            outside = own[5 // 2**level, 50 // 2**level]
+            assert 0 < outside < 10 * springs.k1
+
+
 @pytest.mark.parametrize("held", [False, True])
 @pytest.mark.parametrize("crowded", [False, True])
 @pytest.mark.parametrize(

@@ -25,9 +25,13 @@ class Tuning:
 
     coarsest: int = 16
     """Most sites of a grid that is solved directly."""
+    hard: float = 1e3
+    """Stiffness of a pin among others as stiff, over that of a site."""
 
 
 TUNING = Tuning()
+
+_ROUNDING = 16 * float(np.finfo(np.float32).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,19 +156,30 @@ class Hierarchy:
         return [self.backend.packed(cells) for cells in areas]
 
     def set_pins(self, e: Single, bound: Single, fraction: float, springs: Springs) -> None:
-        """Set pins on all coarse grids; ``fraction`` is that of the sites in contact; k0 = 1."""
+        """Set pins on all coarse grids; ``fraction`` is that of the sites in contact; k0 = 1.
+
+        A pin among others as stiff does not soften: where all sites that share a coarse one are held, so is
+        that.
+        """
         if fraction == 0:
             for grid in self.grids:
                 grid.pins.fill(0.0)
             return
         sigma = coherent_potential(partial(compliance, springs, 0), fraction, 1.0)
-        first = self.grids[0]
+        first, strength = self.grids[0], 1.0 / softening(springs, 0, sigma)
         self.backend.restrict((e <= bound).astype(np.float32), self.sites, first.pins)
-        first.pins *= np.float32(1.0 / softening(springs, 0, sigma))
+        first.pins *= np.float32(strength)
+        # A held site adds ``held`` to the pin on the next coarser grid, and no site adds more.
+        held, hard, crowds = strength, TUNING.hard * (4.0 + springs.k1), True
         for level, (fine, coarse) in enumerate(pairwise(self.grids), start=1):
+            if crowds:
+                full = fine.pins >= np.float32(held * (1.0 - _ROUNDING)) * fine.sharing  # but for rounding
+                crowds = bool(full.any())
+                fine.pins[full] = np.float32(hard)
             mean = sigma * 4.0**level
             softer = softening(springs, level, mean)
             self.backend.restrict(fine.pins, fine.sites, coarse.pins, softer, mean)
+            held, hard = hard / (1.0 + softer * max(hard - mean, 0.0)), 4.0 * hard
 
     def coarser_lags(self, lag: Single, spread: float) -> list[Single]:
         """A lag by site, on the coarse grids: its mean over a cell, weighted by how far its sites respond.

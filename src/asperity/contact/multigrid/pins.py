@@ -13,7 +13,8 @@ grid l with
     1 / p_(l+1) = 1 / p_l + G_l(sigma_l) - G_(l+1)(4 sigma_l),     1 / p_0 = 0,
 
 sigma_l = 4^l sigma, the mean stiffness of the springs on a site of grid l: far up, the springs of N a
-contacts add up to N sigma, the response of the whole. Only what stands out from the mean softens.
+contacts add up to N sigma, the response of the whole. Only what stands out from the mean softens; and
+nothing where all sites that share a coarse one are held, for no correction of that one moves any of them.
 
 G is known in closed form. Off the mean square lattice, mean_q 1/(lam + x) = 1 / AGM(x + 4, sqrt(x (x + 8)))
 (the elliptic integral of `asperity.theory.site_stiffness`, by the arithmetic-geometric mean), and S of a
