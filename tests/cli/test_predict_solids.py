@@ -411,10 +411,11 @@ def test_a_run_does_not_use_draws_and_says_so_once(says):
 @pytest.mark.slow
 def test_a_campaign_does_not_use_draws_and_says_so_once():
     swept = {"pressure": ["20 MPa", "30 MPa"]}
-    plan, bare = (asp.campaign.read_plan(write(solid=one, sweep=swept)) for one in (DRAWN, BRANCHED))
-    assert [run.identity for run in plan.runs] == [run.identity for run in bare.runs]
     with pytest.warns(Remark, match="does not use .solid. draws") as remarks:
-        asp.campaign.sweep(plan, "campaign", workers=1)
+        plan = asp.campaign.read_plan(write(solid=DRAWN, sweep=swept))
     assert sum("draws" in str(one.message) for one in remarks) == 1
+    bare = asp.campaign.read_plan(write(solid=BRANCHED, sweep=swept))
+    assert [run.identity for run in plan.runs] == [run.identity for run in bare.runs]
+    asp.campaign.sweep(plan, "campaign", workers=1)
     with pytest.raises(ConfigError, match=r"\[sweep\] draws: cannot be swept"):
         asp.campaign.read_plan(write(solid=DRAWN, sweep={"draws": [[[[0.1, 1.0]], [[0.2, 1.0]]], []]}))

@@ -23,9 +23,10 @@ HERE = Path(__file__).parent
 QUESTIONS = tomllib.loads((HERE / "questions.toml").read_text("utf-8"))
 ANSWERS = HERE / "answers.json"
 SECTIONS = {"predict": "prediction", "law": "law"}
-ELSEWHERE = 1e-5
+ELSEWHERE = 3e-5
 """Relative difference between processors: last bits pass through time steps and solvers of a tolerance.
-With the instructions of x86-64 alone in place of AVX-512 it is at most 2.4e-6, mostly below 1e-6."""
+With the instructions of x86-64 alone in place of AVX-512 it is at most 2.4e-6, mostly below 1e-6; of two
+processors with AVX-512 it was 1.2e-5 in one slide, whose steps have other lengths (rtol is 2e-3)."""
 
 
 def machine():
