@@ -23,10 +23,11 @@ HERE = Path(__file__).parent
 QUESTIONS = tomllib.loads((HERE / "questions.toml").read_text("utf-8"))
 ANSWERS = HERE / "answers.json"
 SECTIONS = {"predict": "prediction", "law": "law"}
-ELSEWHERE = 3e-5
+ELSEWHERE = 1e-5
 """Relative difference between processors: last bits pass through time steps and solvers of a tolerance.
-With the instructions of x86-64 alone in place of AVX-512 it is at most 2.4e-6, mostly below 1e-6; of two
-processors with AVX-512 it was 1.2e-5 in one slide, whose steps have other lengths (rtol is 2e-3)."""
+With the instructions of x86-64 alone in place of AVX-512 it is at most 2.4e-6, mostly below 1e-6."""
+ELSEWHERE_OF = {"run springs_slide": 3e-5}
+"""Where steps take other lengths (rtol is 2e-3): 1.2e-5 of two processors with AVX-512."""
 
 
 def machine():
@@ -78,8 +79,9 @@ def test_numbers_stay(kind, name, monkeypatch):
         return
     known = stored["answers"][f"{kind} {name}"]
     assert not known["arrays"].keys() - found["arrays"].keys()
+    elsewhere = ELSEWHERE_OF.get(f"{kind} {name}", ELSEWHERE)
     for key, ends in known["numbers"].items():
-        assert found["numbers"][key] == pytest.approx(ends, rel=ELSEWHERE, abs=0), key
+        assert found["numbers"][key] == pytest.approx(ends, rel=elsewhere, abs=0), key
     if (
         stored["machine"] == machine()
     ):  # elsewhere the last bits differ: FFTs and sums take other instructions

@@ -22,7 +22,6 @@ from asperity.aging.march import TUNING, creep, fading_tolerance
 from asperity.aging.slide_steps import SlideSteps
 from asperity.aging.tr_bdf2 import Origin, Steps
 from asperity.base import checks
-from asperity.contact.bodies import Bodies
 from asperity.contact.choice import chosen_solver
 from asperity.contact.contact import Contact, control_of
 from asperity.contact.controls import Control, Course, Load, Separation
@@ -156,23 +155,27 @@ class _Way:
         self, n: int, shift: tuple[Fraction, ...], by: tuple[Fraction, ...]
     ) -> tuple[Contact, SlideSteps | None]:
         """The contact just after the shift number n of a slide, and steps that go on if such suit it."""
+        contact = self.now.contact
+        if (steps := self.slide_steps(n)) is not None:
+            heights, deformation = self.heights_at(shift, by), float(steps.point.u.std())
+            accuracy = Accuracy(TOLERANCE, TUNING.published * fading_tolerance(self.rtol) * deformation)
+            steps = steps.shifted(heights, [round(sites) for sites in by], accuracy)
+            if (state := steps.state()).moved <= self.rtol * deformation:  # the solver may leave it
+                bodies = contact.with_heights(heights, contact.permanent_indentation)
+                counts = Counts(iterations=steps.iterations)
+                return published(bodies, steps, state, Origin(0.0), counts).contact, steps
+        return self.shifted(shift, by), None
+
+    def slide_steps(self, n: int) -> SlideSteps | None:
+        """Steps before the shift number n of a slide, those so far or new ones, if such suit the contact."""
         contact, steps = self.now.contact, self.now.steps_on
         if not contact.force.any():
-            return self.shifted(shift, by), None
-        if not (n and isinstance(steps, SlideSteps)):
-            system = contact.system()
-            solver = chosen_solver(self.solver, system)
-            if not SlideSteps.suits(system, solver):
-                return self.shifted(shift, by), None
-            steps = SlideSteps.resting(system, solver, contact)
-        heights, deformation = self.heights_at(shift, by), float(steps.point.u.std())
-        accuracy = Accuracy(TOLERANCE, TUNING.published * fading_tolerance(self.rtol) * deformation)
-        steps = steps.shifted(heights, [round(sites) for sites in by], accuracy)
-        if (state := steps.state()).moved > self.rtol * deformation:  # more than the solver was to leave
-            return self.shifted(shift, by), None
-        facts = contact.lattice, contact.solid, contact.surface, contact.si, contact.permanent_indentation
-        counts = Counts(iterations=steps.iterations)
-        return published(Bodies(heights, *facts), steps, state, Origin(0.0), counts).contact, steps
+            return None
+        if n and isinstance(steps, SlideSteps):
+            return steps
+        system = contact.system()
+        solver = chosen_solver(self.solver, system)
+        return SlideSteps.resting(system, solver, contact) if SlideSteps.suits(system, solver) else None
 
     def at_once(self, contact: Contact, place: Frame, slip: float = 0.0) -> Frame:
         """The frame of a contact that was pressed instantly, at a place, to which it slipped in no time."""

@@ -31,6 +31,10 @@ class Bodies:
     si: bool
     permanent_indentation: Field | float = 0.0
 
+    def with_heights(self, heights: Field, indentation: Field | float) -> Bodies:
+        """The same bodies, of which the rough one has other heights, and yielded by an indentation."""
+        return Bodies(heights, self.lattice, self.solid, self.surface, self.si, indentation)
+
     @cached_property
     def sites(self) -> int:
         """Number of sites of the rough body: those whose height is not -inf."""

@@ -114,7 +114,7 @@ def slid(
         return contact.moved(near)
     u, in_contact = np.roll(contact.u, near, axis=axes), np.roll(contact.in_contact, near, axis=axes)
     indentation = np.roll(contact.permanent_indentation, near, axis=axes)
-    bodies = Bodies(heights, contact.lattice, contact.solid, contact.surface, contact.si, indentation)
+    bodies = contact.with_heights(heights, indentation)
     system = contact.system().above(heights)
     guess = Guess(u - system.datum, in_contact)
     return _anew(contact, bodies, system, guess, None, solver)

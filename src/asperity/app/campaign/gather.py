@@ -72,8 +72,8 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
     found = {name: store.read(run) for name, run in runs.items() if name in done}
     if not found:
         raise InputError("campaign", expected="finished runs", got=f"{directory} with none yet")
-    dataset, over = _placed(plan, found)
     described = _described(found.values())
+    dataset, over = _placed(plan, found, described)
     units = units_named({name: attrs["units"] for name, attrs in described.items()})
     coordinate = {name: (one.long_name, one.dimension) for name, one in select("coordinate").items()}
     known = {name: (attrs["long_name"], attrs["units"]) for name, attrs in described.items()}
@@ -184,7 +184,9 @@ def with_ends(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.assign(ends)
 
 
-def _placed(plan: Plan, found: Mapping[str, xr.Dataset]) -> tuple[xr.Dataset, list[str]]:
+def _placed(
+    plan: Plan, found: Mapping[str, xr.Dataset], described: Mapping[str, dict[str, str]]
+) -> tuple[xr.Dataset, list[str]]:
     """Variables of the runs over the dimensions and their own; and the dimensions of the answer."""
     first = max(found.values(), key=lambda one: one.sizes.get("direction", 0))  # a law may lack the unloading
     zipped = {axis.name: ("point", list(axis.values)) for axis in plan.axes if plan.zipped}
@@ -196,7 +198,7 @@ def _placed(plan: Plan, found: Mapping[str, xr.Dataset]) -> tuple[xr.Dataset, li
         and not all(dim in one.dims and np.array_equal(one[dim], first[dim]) for one in found.values())
     }
     over: list[str] = ["entry" if dim in own else dim for dim in first.attrs["over"]]
-    for name, attrs in _described(found.values()).items():
+    for name, attrs in described.items():
         of_run = next(one.variables[name] for one in found.values() if name in one.variables)
         if not {*of_run.dims} <= {*first.dims} or {*of_run.dims} & own - {*first.attrs["over"]}:
             continue  # what maps at times of their own know of patches

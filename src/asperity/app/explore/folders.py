@@ -169,6 +169,7 @@ def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Head
     running, failed = store.running(), store.failures()
     runs: list[Header] = []
     arrays: Arrays = {}
+    units: dict[str, str] = {}
     for run in plan.distinct.values():
         places = {"done": done, "running": running, "failed": failed}
         state = next((state for state, names in places.items() if run.identity in names), "left")
@@ -176,13 +177,12 @@ def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Head
         runs.append(row | plan.labels(run))
         if state == "done" and len(arrays) < 2 * _MOST_CURVES:
             dataset = store.read(run)
+            units = units or _units(plan, dataset)
             along = dataset.attrs["over"][-1]
             shown = next(name for name in _CURVES if name in dataset)
             arrays[f"time.{run.identity}"] = np.ascontiguousarray(dataset[along], dtype=np.float64)
             curve = dataset[shown].transpose(..., along).values.astype(np.float64)
             arrays[f"area.{run.identity}"] = curve.reshape(-1, curve.shape[-1])[0].copy()
-    first = next((run for run in plan.runs if run.identity in done), None)
-    units = {} if first is None else _units(plan, store.read(first))
     parameters = list(plan.swept)
     return {"kind": "campaign", "path": name, "parameters": parameters, "units": units, "runs": runs}, arrays
 

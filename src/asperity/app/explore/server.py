@@ -42,6 +42,7 @@ from asperity.app.explore.folders import Opened, entries, open_entry
 from asperity.app.explore.jobs import Job, Jobs
 from asperity.app.explore.mistakes import Shown, failed, mistake, mistakes_of
 from asperity.app.explore.scene import Arrays, Cursor, Header, Recording, pack
+from asperity.ask.question import Question
 from asperity.ask.questions import QUESTIONS
 from asperity.ask.run import FILES
 from asperity.base.files import without_links
@@ -113,7 +114,8 @@ def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
         if table != []
     }
     aging = contents.setdefault("aging", {})
-    if isinstance(aging, dict) and "times" not in aging and question_of(contents) in ("", "prediction"):
+    unused = QUESTIONS.get(question_of(contents), Question).unused.get("aging", ())
+    if isinstance(aging, dict) and "times" not in aging and "per_decade" not in unused:
         aging.setdefault("per_decade", PER_DECADE)
     shown: Shown = {}
     for section, key in FILES.items():
