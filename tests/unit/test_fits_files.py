@@ -174,6 +174,13 @@ def test_rows_in_any_order_and_blocks_that_follow_each_other_are_a_series(text):
     assert read_measurements("t.csv").time.size == text.count(",")
 
 
+@pytest.mark.parametrize("name", ["2 sigma (um2)", "95 % CI", "variance", "expanded uncertainty (k=2)"])
+def test_what_is_no_standard_error_is_not_taken_for_one(name):
+    Path("t.csv").write_text(f"time_s,area_um2,{name}\n1,2,0.1\n2,3,0.1\n")
+    with refuses(f"column '{name}' of t.csv", "a multiple or a square of it"):
+        read_measurements("t.csv", "area", stderr=2)
+
+
 def test_two_columns_without_names_hold_no_errors_beside_values():
     Path("t.csv").write_text("1,2\n2,3\n")
     with refuses("t.csv", "2 columns without names"):

@@ -47,7 +47,7 @@ def written(header: str, numbers: Any, decimal: str = ",") -> str:
         ("t [ms];relaxation modulus (psi)", 1e-3, 6894.757293168361, None),
         ("elapsed time (min);G in N/mm^2", 60, 1e6, "shear"),
         # Words of three languages, and ways to write units.
-        ("Zeit (min);Relaxationsmodul E(t) / MPa", 60, 1e6, None),
+        ("Zeit (min);Relaxationsmodul E(t) / MPa", 60, 1e6, "young"),
         ("elapsed [min];E_rel [MPa]", 60, 1e6, "young"),
         ("temps en s [s];module de relaxation_N/mm²", 1, 1e6, None),
         ("Belastungsdauer / d;Elastizitätsmodul in GPa", 86400, 1e9, "young"),
@@ -61,6 +61,7 @@ def written(header: str, numbers: Any, decimal: str = ",") -> str:
         ("t [min];shear modulus [MPa]", 60, 1e6, "shear"),
         ("t [s];G(t) [MPa];G_std [MPa];T", 1, 1e6, "shear"),
         ("t [s];Schubmodul/MPa", 1, 1e6, "shear"),
+        ("time_s;Relaxation modulus G(t) (MPa)", 1, 1e6, "shear"),
         ("temps (s);module de cisaillement (MPa)", 1, 1e6, "shear"),
         ("t [s];plane strain modulus [GPa]", 1, 1e9, "contact"),
     ],
@@ -136,7 +137,8 @@ def test_headers_of_dynamic_moduli(header, second, pascals):
 
 
 def test_the_marks_of_storage_and_loss_are_kept_in_any_order():
-    for marks in ("G'' [MPa];G' [MPa]", "G″ [MPa];G′ [MPa]", "G'';G'\nMPa;MPa"):
+    words = "Loss modulus G'' [MPa];Storage modulus G' [MPa]"
+    for marks in (words, "G'' [MPa];G' [MPa]", "G″ [MPa];G′ [MPa]", "G'';G'\nMPa;MPa"):
         head, _, units = marks.partition("\n")
         header = f"{head};omega" + (f"\n{units};rad/s" if units else " [rad/s]")
         data = read(written(header, RISING[:, [2, 1, 0]]))
@@ -232,6 +234,8 @@ def test_headers_of_friction(header):
         ("time_s;vdcdt_um;mu;hdcdt_um;effns_MPa;vobdcdt_um;LP_vel_um/s", 1, 5),
         ("time_s;lp_displacement_um;vstress_MPa;normal displacement (um);sigma_n (MPa);Ec_disp (um)", 1, 5),
         ("time_s;disp_um;tau (MPa);layer_thick (um);NS_MPa;strain", 1, None),
+        ("time_s;load_point_um;mu;axial displacement (um);Normalverschiebung (um)", 1, None),
+        ("time_s;load_point_um;mu;vertical_disp_um;déplacement normal (um);slip_um", 1, 5),
     ],
 )
 def test_headers_of_machines_of_friction(header, load_point, slip):
@@ -385,3 +389,16 @@ def test_a_table_is_refused_before_the_engine_is_imported():
     )
     assert done.stdout == "[2, 2, 2]\nset()\n"
     assert done.stderr.count("column 'time [furlong]' of t.csv: expected a unit of time") == 3
+
+
+@pytest.mark.parametrize("name", ["E x 10^3", "E·1e3", "E 10³", "E ×1000"])
+def test_a_power_of_ten_in_a_name_is_asked_for(name):
+    """Axes of figures multiply by it, tables of numbers divide."""
+    with refuses(f"column '{name} [MPa]' of t.csv", "a power of ten in the name"):
+        read(written(f"time_s;{name} [MPa]", FALLING), columns="0 1", kind="relaxation")
+    data = read(written(f"time_s;{name} [MPa]", FALLING), columns="0 1", kind="relaxation", units="1=GPa")
+    assert isinstance(data, Relaxation)
+    np.testing.assert_allclose(data.modulus, 1e9 * FALLING[:, 1], rtol=1e-12)
+    Path("t.csv").write_text("time_s,area x 1000\n1,2\n2,3\n")
+    with refuses("column 'area x 1000' of t.csv", "a power of ten in the name"):
+        read_measurements("t.csv")

@@ -23,7 +23,8 @@ ROLES = (
     Role(
         "",
         "",
-        r"temp(?!s\b)|humid|feucht|\bstd|\berr|angle|winkel|thick|dicke|^nor(m|mal)?\b.*dis|dilat|strain"
+        r"temp(?!s\b)|humid|feucht|\bstd|\berr|angle|winkel|thick|dicke|dilat|strain"
+        r"|(^nor(m|mal)?\b|axial|verti[ck]al|normal|radial).*(disp|verschieb)|deplac.*(axial|vertical|normal)"
         r"|(load ?point|^lp)\b.*(vel|speed)",
     ),
     TIME,

@@ -185,8 +185,8 @@ def _modulus(columns: Columns, places: list[int], asked: Modulus | None) -> Modu
     if asked:
         moduli.add(asked)
     elif not moduli:
-        letters = (re.match(r"[eg]\b|[eg](?= ?rel)", normal(name)) for name in names)
-        moduli = {_LETTERS[letter[0]] for letter in letters if letter}
+        labels = " / ".join(normal(columns.label(at)) for at in places)
+        moduli = {_LETTERS[letter] for letter in re.findall(r"\b[eg](?:\b|(?=rel))", labels)}
     if len(moduli) > 1:
         expected = "the modulus that the names of columns say"
         got = f"{asked!r} of" if asked else f"{' and '.join(sorted(moduli))} in"

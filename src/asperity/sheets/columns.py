@@ -30,10 +30,11 @@ _BRACKETS = re.compile(r"(.*?)[\s_,/]*[\[({<]\s*([^\[\](){}<>]*?)\s*[\])}>]")
 _LOGARITHM = re.compile(r"(?i)(log_?10|log|lg|ln)(?:\s*\((.*)\)(.*)|[\s_]+(.*))")
 _ANGULAR = re.compile(r"omega|ω|angul|circular|kreis|winkel|pulsation|^w\b")
 _CYCLES = re.compile(r"(?i)\b(?:r|cycles?|cyc|revs?|revolutions?|turns?|tours?|tr|u|umdr\w*|osc\w*)\b")
+_POWER_OF_TEN = re.compile(r"\b1e[+-]?\d|\b10 ?(?:\^|\*\*|[⁻⁰¹²³⁴-⁹])|[x×*·] ?10+\b")
 _DATE = re.compile(r"\d{1,4}[-/.:]\d{1,2}[-/.:T ]?")
 _LEAVE_OUT = "a # before a line to leave it out"
 _OF_TIME = {"Hz", "mHz", "kHz", "MHz", "GHz", "s", "ms", "us", "µs", "μs", "min", "h", "d"}
-_EXAMPLES = {"s": "min", "Pa": "MPa", "1/Pa": "1/GPa", "rad/s": "rad/s", "m": "um", "m/s": "um/s"}
+_EXAMPLES = {"s": "min", "Pa": "MPa", "1/Pa": "1/GPa", "rad/s": "rad/s", "m": "um", "m/s": "um/s", "": "um^2"}
 
 
 @dataclass(frozen=True)
@@ -158,6 +159,8 @@ class Columns:
         if unclear and not parts.is_clear and re.fullmatch(unclear, beside):
             beside = ""  # mu_s is static friction
         text = self._stated.get(at) or below or beside
+        if at not in self._stated and _POWER_OF_TEN.search(parts.label):  # to multiply by, or to divide?
+            raise self._no_unit(role, at, "a power of ten in the name")
         *words, last = name.split() or [""]
         if not text and role.unit not in ("1", "") and re.search(role.words, " ".join(words)):
             text = last if len(last) > 2 and si.factor(last, last) is not None else ""  # time_furlong
