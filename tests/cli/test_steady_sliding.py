@@ -32,7 +32,7 @@ def table():
     return "dma.csv"
 
 
-def test_a_table_of_moduli_gives_the_curve_of_its_branches(says, scan, table):
+def test_a_table_of_moduli_gives_the_curve_of_its_branches(asperity, says, scan, table):
     more = ("--shear-strength", "2MPa", "--fields-at", "1um/s", "--beyond-table", "-q")
     says("sliding", table, *scan, *ASKED, *more)
     words = Path("sliding/summary.txt").read_text()
@@ -58,7 +58,9 @@ def test_a_table_of_moduli_gives_the_curve_of_its_branches(says, scan, table):
     }
     assert json.loads(Path("sliding/asperity.json").read_text())["kind"] == "sliding"
     # The configuration that was written gives the same curve.
-    says("sliding", "sliding/config.toml", "--out", "again", "--figures", "", "-q")
+    status, *texts = asperity("sliding", "sliding/config.toml", "--out", "again", "--figures", "")
+    assert status == 0
+    assert "does not use" not in "".join(texts)
     again = asp.results.load("again")["hysteresis_friction_coefficient"]
     np.testing.assert_allclose(again, found["hysteresis_friction_coefficient"], rtol=1e-8)
 

@@ -174,6 +174,21 @@ def test_rows_in_any_order_and_blocks_that_follow_each_other_are_a_series(text):
     assert read_measurements("t.csv").time.size == text.count(",")
 
 
+@pytest.mark.parametrize("name", ["A/A0", "A / A_0", "A(t)/A(0)", "A/A0 [%]", "Reibung/Reibung_max"])
+def test_a_ratio_is_no_unit(name):
+    Path("t.csv").write_text(f"time_s,{name}\n1,2\n2,3\n")
+    assert [*read_measurements("t.csv").value] == [2, 3]
+
+
+@pytest.mark.parametrize(
+    "name", ["contact stiffness (N/m)", "contact conductance (S)", "area (kN/m)", "contact diameter (um)"]
+)
+def test_a_stiffness_a_conductance_or_a_diameter_is_no_area(name):
+    Path("t.csv").write_text(f"time_s,{name}\n1,2\n2,3\n")
+    with refuses("t.csv", repr(name)):
+        read_measurements("t.csv", "area")
+
+
 @pytest.mark.parametrize("name", ["2 sigma (um2)", "95 % CI", "variance", "expanded uncertainty (k=2)"])
 def test_what_is_no_standard_error_is_not_taken_for_one(name):
     Path("t.csv").write_text(f"time_s,area_um2,{name}\n1,2,0.1\n2,3,0.1\n")

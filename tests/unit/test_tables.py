@@ -391,6 +391,40 @@ def test_a_table_is_refused_before_the_engine_is_imported():
     assert done.stderr.count("column 'time [furlong]' of t.csv: expected a unit of time") == 3
 
 
+@pytest.mark.parametrize(
+    ("name", "percent", "measured"),
+    [
+        ("E/E0", 1, "young"),
+        ("G / G_0", 1, "shear"),
+        ("E(t)/E(0) [%]", 100, "young"),
+        ("normalized modulus [-]", 1, None),
+    ],
+)
+def test_a_modulus_over_the_first_is_one_up_to_a_factor(name, percent, measured):
+    data = read(written(f"time_s;{name}", FALLING * [1, percent / FALLING[0, 1]]))
+    assert isinstance(data, Relaxation)
+    np.testing.assert_allclose(data.modulus, FALLING[:, 1] / FALLING[0, 1], rtol=1e-12)
+    assert (data.absolute, data.measured) == (False, measured)
+
+
+@pytest.mark.parametrize("name", ["creep modulus E_c [GPa]", "Kriechmodul [GPa]", "module de fluage [GPa]"])
+def test_a_creep_modulus_is_the_inverse_of_a_compliance(name):
+    data = read(written(f"time_s;{name}", FALLING))
+    assert isinstance(data, Creep)
+    np.testing.assert_allclose(data.compliance, 1e-9 / FALLING[:, 1], rtol=1e-12)
+    assert data.absolute
+
+
+def test_names_say_the_order_of_columns_that_are_chosen():
+    data = read(written("time_s;E_MPa", FALLING), columns="1 0")
+    assert isinstance(data, Relaxation)
+    np.testing.assert_allclose(data.modulus, 1e6 * FALLING[:, 1])
+    file = written("time_s;J (1/GPa);E (GPa)", np.insert(FALLING, 1, 1 / FALLING[:, 1], axis=1))
+    with refuses("t.csv", "columns 'time_s', 'J (1/GPa)', 'E (GPa)'", advice="kind='relaxation'"):
+        read(file)
+    assert isinstance(read(file, kind="relaxation"), Relaxation)
+
+
 @pytest.mark.parametrize("name", ["E x 10^3", "E·1e3", "E 10³", "E ×1000"])
 def test_a_power_of_ten_in_a_name_is_asked_for(name):
     """Axes of figures multiply by it, tables of numbers divide."""

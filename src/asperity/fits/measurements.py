@@ -62,7 +62,8 @@ _ROLES = (
     Role(
         "",
         "",
-        r"load|\blast\b|press|druck|temp|humid|\brh\b|feucht|segment|cycle|volt|speed|residual",
+        r"load|\blast\b|press|druck|temp|humid|\brh\b|feucht|segment|cycle|volt|speed|residual"
+        r"|stiff|steif|raideur|conduct|leitw|resist|widerst|diamet|durchmesser",
     ),
     *_OF_VALUES.values(),
     Role("value", "", ""),
@@ -287,7 +288,7 @@ def _only(columns: Columns, found: Sequence[int], what: str, cure: Mapping[str, 
     return found[0]
 
 
-_KINDS = {"m", "m^2", "N", "Pa", "K"}
+_KINDS = {"m", "m^2", "N", "Pa", "K", "N/m", "S", "ohm"}
 """Units of which a value has that of its quantity, if any: a length is no area."""
 
 

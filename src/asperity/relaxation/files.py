@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal, cast, get_args
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from asperity.base import checks
 from asperity.base import units as si
-from asperity.errors import InputError
+from asperity.errors import InputError, Value
 from asperity.relaxation.data import Creep, Dynamic, Measured, Modulus, Relaxation
 from asperity.sheets.columns import TIME, Chosen, Columns, Role, Units, check_one_series, named, normal
 
@@ -30,6 +30,8 @@ _ROLES = (
     TIME,
     Role("loss", "Pa", r"loss|verlust|perte|''|double.?prime|imag|visc|visk|visq"),
     Role("storage", "Pa", r"storage|speicher|conservation|stockage|\b[eg] ?'|prime|real"),
+    Role("creep modulus", "Pa", r"(creep|kriech) ?modul|modul\w* (de |d'|en )?fluage"),
+    Role("relative modulus", "1", r"(normali[sz]|relativ|normier)\w* .*modul|\b([eg]) ?/ ?\2 ?\(?[0i]"),
     Role("compliance", "1/Pa", r"complian|creep|nachgieb|kriech|fluage|complaisance|^[jd]\b"),
     Role("modulus", "Pa", r"modul|relax|young|elasti|^[eg]\b|^[eg] ?rel|plane strain"),
     Role("strain", "1", r"strain|dehnung|deform"),
@@ -37,8 +39,15 @@ _ROLES = (
     Role("force", "N", r"force|kraft|\bload"),
     Role("displacement", "m", r"displac|depth|indent|extension|verschieb|tiefe|\bweg\b|deplac|profond"),
 )
-_UP_TO_A_FACTOR: dict[str, Kind] = {"strain": "creep", "stress": "relaxation", "force": "relaxation"}
+_UP_TO_A_FACTOR: dict[str, Kind] = {
+    "strain": "creep",
+    "stress": "relaxation",
+    "force": "relaxation",
+    "relative modulus": "relaxation",
+}
 """Columns against time that are a compliance or a modulus up to a factor, if they stand alone."""
+_IN_PLACE: dict[str, Kind] = {**_UP_TO_A_FACTOR, "creep modulus": "creep"}
+"""Those, and the inverse of a compliance."""
 _MODULI: dict[Modulus, str] = {
     "shear": r"shear|schub|scher|cisail",
     "contact": r"plane.strain|contact|kontakt|reduced|reduit",
@@ -106,11 +115,15 @@ def read(
     names = {"storage": "storage modulus", "loss": "loss modulus"}
     check_one_series(reading.table, places[0])
     numbers: list[Any] = []
-    factored = reading.roles[places[1]] if reading.roles[places[1]] in _UP_TO_A_FACTOR else ""
+    stands = reading.roles[places[1]] if _IN_PLACE.get(reading.roles[places[1]]) == chosen else ""
+    factored = stands if stands in _UP_TO_A_FACTOR else ""
     for at, role in zip(places, _KINDS[chosen].names(), strict=True):
-        called = role if at == places[0] else factored or which + names.get(role, role)
-        read_as = factored if factored and at != places[0] else role
+        called = role if at == places[0] else stands or which + names.get(role, role)
+        read_as = stands if stands and at != places[0] else role
         numbers.append(reading.values(read_as, at, bare=False, called=called))
+    if stands == "creep modulus":
+        with np.errstate(divide="ignore"):  # a compliance that is not finite is refused
+            numbers[1] = 1 / numbers[1]
     if stress is not None:
         if factored != "strain":
             raise InputError("stress", expected="none beside a table that has no strain", got=stress)
@@ -144,26 +157,36 @@ def _chosen(columns: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind
         for at, role in zip(plain, ("storage", "loss"), strict=False):
             roles[at] = role
     if ordered or (kind is not None and not any(table.names)):
-        asked = tuple(roles[at] for at in columns.chosen)
-        chosen = kind or next((name for name, order in wanted.items() if asked == order), None)
+        asked = {roles[at]: at for at in columns.chosen}
+        chosen = kind or next((name for name, order in wanted.items() if {*order} == {*asked}), None)
         if chosen is None:
-            raise _unclear(columns, 'kind="relaxation", "creep" or "dynamic"')
+            raise _unclear(columns, cure={"kind": "dynamic" if len(columns.chosen) == 3 else "relaxation"})
         count = len(wanted[chosen])
         places = columns.chosen if ordered else columns.chosen[:count]
+        if {*wanted[chosen]} == {*asked}:  # their names say which is which
+            places = [asked[role] for role in wanted[chosen]]
         if len(set(places)) != count or len(places) != count:
             expected = f"{count} different ones: {', '.join(wanted[chosen])}"
             raise InputError("columns", expected=expected, got=" ".join(map(str, places)))
         return chosen, places
     fitting = [name for name, order in wanted.items() if all(roles.count(role) == 1 for role in order)]
-    loaded = [role for role in roles if role in (*_UP_TO_A_FACTOR, "displacement")]
-    if not fitting and len(loaded) == 1 and loaded[0] in _UP_TO_A_FACTOR:
-        of_kind = _KINDS[_UP_TO_A_FACTOR[loaded[0]]]
+    loaded = [role for role in roles if role in (*_IN_PLACE, "displacement")]
+    if not fitting and len(loaded) == 1 and loaded[0] in _IN_PLACE:
+        of_kind = _KINDS[_IN_PLACE[loaded[0]]]
         roles[roles.index(loaded[0])] = of_kind.names()[1]
         fitting = [name for name, order in wanted.items() if all(roles.count(role) == 1 for role in order)]
-    if len(fitting) != 1:
-        header = "omega_rad_s,storage_MPa,loss_MPa" if len(roles) == 3 else "time_s,E_MPa"
-        choice = f'kind="relaxation" and columns="0 1", or {header} as their names'
-        raise _unclear(columns, choice if any(table.names) else f"a first line such as {header}")
+    if len(fitting) > 1:
+        raise _unclear(columns, cure={"kind": fitting[0]})
+    if not fitting:
+        is_dynamic = "frequency" in roles or len(roles) == 3
+        header = "omega_rad_s,storage_MPa,loss_MPa" if is_dynamic else "time_s,E_MPa"
+        if not any(table.names):
+            raise _unclear(columns, f"a first line such as {header}")
+        raise _unclear(
+            columns,
+            f"{header} as their names",
+            {} if is_dynamic else {"kind": "relaxation", "columns": "0 1"},
+        )
     return fitting[0], [roles.index(role) for role in wanted[fitting[0]]]
 
 
@@ -194,6 +217,7 @@ def _modulus(columns: Columns, places: list[int], asked: Modulus | None) -> Modu
     return next(iter(moduli), None)
 
 
-def _unclear(columns: Columns, advice: str) -> InputError:
+def _unclear(columns: Columns, advice: str = "", cure: Mapping[str, Value] | None = None) -> InputError:
     expected = "columns of time and modulus, compliance, strain or force; or frequency and both moduli"
-    return InputError(columns.table.name, expected=expected, got=named(columns.table), advice=advice)
+    got = named(columns.table)
+    return InputError(columns.table.name, expected=expected, got=got, advice=advice, cure=cure)

@@ -30,6 +30,7 @@ _BRACKETS = re.compile(r"(.*?)[\s_,/]*[\[({<]\s*([^\[\](){}<>]*?)\s*[\])}>]")
 _LOGARITHM = re.compile(r"(?i)(log_?10|log|lg|ln)(?:\s*\((.*)\)(.*)|[\s_]+(.*))")
 _ANGULAR = re.compile(r"omega|ω|angul|circular|kreis|winkel|pulsation|^w\b")
 _CYCLES = re.compile(r"(?i)\b(?:r|cycles?|cyc|revs?|revolutions?|turns?|tours?|tr|u|umdr\w*|osc\w*)\b")
+_RATIO = re.compile(r"(\w+) ?/ ?\1[ _(]*(?:0|o|n|nom|max|ref|i|inf)\)?")
 _POWER_OF_TEN = re.compile(r"\b1e[+-]?\d|\b10 ?(?:\^|\*\*|[⁻⁰¹²³⁴-⁹])|[x×*·] ?10+\b")
 _DATE = re.compile(r"\d{1,4}[-/.:]\d{1,2}[-/.:T ]?")
 _LEAVE_OUT = "a # before a line to leave it out"
@@ -226,7 +227,7 @@ def _parts(name: str) -> list[_Parts]:
         inner = f"{logarithm[2]}{logarithm[3]}" if logarithm[2] else logarithm[4]
         return [replace(parts, base=base) for parts in _parts(inner)]
     bracket = _BRACKETS.fullmatch(name)
-    if bracket and not re.fullmatch(_ARGUMENT, bracket[2].lower()):
+    if bracket and not re.fullmatch(f"{_ARGUMENT}|0", bracket[2].lower()):
         return [_Parts(bracket[1], bracket[2], is_clear=True), _Parts(name)]
     pairs = [
         _Parts(label, unit, is_clear="/" in separator[0])
@@ -234,6 +235,7 @@ def _parts(name: str) -> list[_Parts]:
         if (label := name[: separator.start()])
         and (unit := name[separator.end() :])
         and ("/" in separator[0] or si.is_usual(unit))
+        and not _RATIO.fullmatch(normal(f"{label}/{unit}"))
     ]
     return [*pairs, _Parts(name)]
 

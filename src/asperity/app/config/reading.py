@@ -70,17 +70,15 @@ def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
 
 
 def to_tables(config: RunConfig) -> dict[str, Any]:
-    """Tables of which `from_tables` makes the same configuration."""
-    tables = config.tables
+    """Tables of which `from_tables` makes a configuration that asks the same."""
+    tables, unused = config.tables, dict(config.unused)
     if "times" in tables["aging"]:
-        for rival in ("first", "last", "per_decade"):
-            tables["aging"].pop(rival, None)
-    for name in ("contact", "friction"):
-        if not tables[name]:
-            del tables[name]
+        unused["aging"] = {"first", "last", "per_decade", *unused.get("aging", ())}
+    for name, keys in unused.items():
+        tables[name] = {key: value for key, value in tables.get(name, {}).items() if key not in keys}
     if config.carries is None:
         del tables["carried"]
-    return tables
+    return {name: table for name, table in tables.items() if table or name == config.asked}
 
 
 def from_tables(tables: dict[str, Any]) -> RunConfig:
