@@ -397,3 +397,11 @@ def test_whole_files_of_another_kind_are_not_called_damaged():
         with refuses(name, got, kind=SurfaceFileError) as raised:
             found(name, content)
         assert "damaged" not in str(raised.value)
+
+
+def test_heights_without_a_unit_are_given_that_of_the_file(tmp_path):
+    np.savetxt(tmp_path / "scan.txt", H)
+    with refuses("unit", "heights without a unit", advice="file_unit='um'") as refused:
+        read(tmp_path / "scan.txt", unit="um", tilt="none")
+    surface = read(tmp_path / "scan.txt", unit="um", tilt="none", **refused.value.cure)
+    np.testing.assert_allclose(surface.heights, H)

@@ -164,7 +164,8 @@ def scale_factor(heights: Field, unit: str, target: str | None, *, largest: floa
     if (factor := conversion(unit, target)) is None:
         got = "heights without a unit" if unit == "1" else f"heights in {unit!r}"
         expected = f"heights with a unit of length, to give them in {target}"
-        raise InputError("unit", expected=expected, got=got, advice="no unit, or rms")
+        cure = {"file_unit": target} if unit == "1" else {"unit": "rms"}
+        raise InputError("unit", expected=expected, got=got, cure=cure)
     return factor, target
 
 
