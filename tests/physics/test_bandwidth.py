@@ -88,7 +88,7 @@ def test_on_average_growth_changes_by_less_than_a_percent():
     assert abs(np.mean([change["growth"] for change in changes])) < 0.01
 
 
-def test_the_command_writes_them_and_says_what_would_change(tmp_path):
+def test_the_command_writes_them_and_says_what_would_change(tmp_path, coarse_pictures):
     made = 1e-7 * asp.surfaces.spectral((64, 64), hurst=0.8, roll_off=16.0, seed=1)
     np.save(tmp_path / "scan.npy", made)
     out = tmp_path / "out"

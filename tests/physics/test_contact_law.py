@@ -15,7 +15,7 @@ from scipy.stats import t as student
 import asperity as asp
 from asperity.analysis import flow
 from asperity.errors import CheckpointError
-from tests.refusals import refuses
+from tests.refusals import each_refuses, refuses
 
 PIXEL, SITES = 1e-6, 64
 AREA = (SITES * PIXEL) ** 2
@@ -405,17 +405,18 @@ def test_a_checkpoint_keeps_the_pressures_that_are_done(tmp_path, law, monkeypat
             raise KeyboardInterrupt
         return pressed(*given, **held)
 
+    heights = rough(sites=24)
     asked: dict[str, Any] = {"pressures": [1e6, 2e6, 4e6, 8e6], "times": [0.0, 60.0]}
     how = asked | {"checkpoint": tmp_path / "place"}
     monkeypatch.setattr(module, "pressed", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        asp.law(RELAXING, surface(ROUGH), **how)
-    resumed = asp.law(RELAXING, surface(ROUGH), **how)
+        asp.law(RELAXING, surface(heights), **how)
+    resumed = asp.law(RELAXING, surface(heights), **how)
     assert done == [8e6, 4e6, 2e6, 2e6, 1e6]
-    assert resumed.identical(asp.law(RELAXING, surface(ROUGH), **asked))
+    assert resumed.identical(asp.law(RELAXING, surface(heights), **asked))
     # Another surface; and a size of the pixels that looks the same when it is written.
-    wider = asp.surfaces.Surface(ROUGH, "m", (PIXEL, PIXEL * (1 + 1e-9)), "m")
-    for scan in (surface(rough(4)), wider):
+    wider = asp.surfaces.Surface(heights, "m", (PIXEL, PIXEL * (1 + 1e-9)), "m")
+    for scan in (surface(rough(4, sites=24)), wider):
         with refuses("checkpoint", "of another computation", kind=CheckpointError):
             asp.law(RELAXING, scan, **how)
 
@@ -446,11 +447,10 @@ def test_what_is_wrong_is_refused(changed, name, got):
 
 
 def test_files_need_an_age_of_the_law(aged, law):
-    for age, got in ((None, "none"), ("2 h", "2 h")):
-        with refuses("age", got):
-            asp.contact_law.law_for("calculix", aged, age=age)
-    with refuses("direction", "unloading"):
-        asp.contact_law.law_for("moose", law, direction="unloading")
-    many = law.interp(pressure=np.geomspace(1e6, 1e7, 200))
-    with refuses("pressures", "200"):
-        asp.contact_law.law_for("calculix", many)
+    law_for, many = asp.contact_law.law_for, law.interp(pressure=np.geomspace(1e6, 1e7, 200))
+    each_refuses(
+        ("age", "none", law_for, "calculix", aged),
+        ("age", "2 h", lambda: law_for("calculix", aged, age="2 h")),
+        ("direction", "unloading", lambda: law_for("moose", law, direction="unloading")),
+        ("pressures", "200", law_for, "calculix", many),
+    )

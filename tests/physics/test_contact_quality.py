@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 import asperity as asp
 from asperity.analysis.rows import friction_rows
-from tests.refusals import each_refuses, refuses
+from tests.refusals import each_refuses
 from tests.surfaces import correlated
 
 P = asp.protocols
@@ -232,32 +232,27 @@ def test_a_strength_with_both_a_velocity_and_an_age_adds_both():
 
 def test_wrong_strengths_are_refused():
     weak, zero_at = S(0.5, growth=-0.2, after=0.1, renewal=3.0), 0.1 * np.expm1(5.0)
-    with refuses("growth", got=f"one that is 0 at time {zero_at:.4g}"):
-        aged(FLAT, [100.0], weak)
     # After 30 of slip at 10, contacts are 0.3 old, and a little more.
-    slow = zero_at - 0.3 - 4.7 * np.exp(-10) + 8.0
-    with refuses("growth", got=f"one that is 0 at time {slow:.4g}"):
-        aged(FLAT, [5.0], weak, protocol=[P.Hold(5.0), P.Slide(30.0, 10.0), P.Hold(50.0)])
+    slow, legs = zero_at - 0.3 - 4.7 * np.exp(-10) + 8.0, [P.Hold(5.0), P.Slide(30.0, 10.0), P.Hold(50.0)]
     aged(FLAT, [14.0], weak)
     aged(FLAT, [0.0], weak, protocol=[P.Hold(10.0), P.Slide(30.0, np.inf), P.Hold(10.0)])
-    plain = asp.age(FLAT, [1.0]).dataset
+    plain, rough, carried = asp.age(FLAT, [1.0]).dataset, correlated(16), asp.Carried(strength=AGED)
     each_refuses(
         ("after", lambda: S(0.5, growth=0.02, after=0.0, renewal=1.0)),
         ("renewal", lambda: S(0.5, growth=0.02, after=1.0, renewal=-1.0)),
         ("growth", lambda: S(0.5, growth=0.02, renewal=1.0)),
         ("after", lambda: S(0.5, growth=0.02, after=1.0)),
+        ("growth", aged, FLAT, [100.0], weak),
+        ("growth", lambda: aged(FLAT, [5.0], weak, protocol=legs)),
+        ("strength", lambda: asp.Carried(strength=0.5)),  # type: ignore[arg-type]
+        ("strength", lambda: asp.law(MAXWELL, rough, pressures=[0.1, 0.2], times=[1.0], carried=carried)),
+        ("strength", lambda: asp.predict(MAXWELL, rough, load=1.0, carried=carried)),
         ("shear_strength", asp.friction.add_friction, plain, AGED),
         ("units", aged, FLAT, [1.0], S("0.5 Pa", growth=0.02, after="0.1 s", renewal="3 um")),
-        got="0 | -1 | none | none | one that does | '0.5 Pa'",
+        got="0 | -1 | none | none | "
+        f"one that is 0 at time {zero_at:.4g} | one that is 0 at time {slow:.4g} | float |  |  | "
+        "one that does | '0.5 Pa'",
     )
-    with refuses("strength", got="float"):
-        asp.Carried(strength=0.5)  # type: ignore[arg-type]
-    with refuses("strength"):
-        asp.law(
-            MAXWELL, correlated(16), pressures=[0.1, 0.2], times=[1.0], carried=asp.Carried(strength=AGED)
-        )
-    with refuses("strength"):
-        asp.predict(MAXWELL, correlated(16), load=1.0, carried=asp.Carried(strength=AGED))
 
 
 @pytest.mark.slow

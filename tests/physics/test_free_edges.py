@@ -8,7 +8,7 @@ from scipy.optimize import brentq, lsq_linear, nnls
 
 import asperity as asp
 from tests.continua import love
-from tests.refusals import refuses
+from tests.refusals import each_refuses
 
 SHAPE, SMALL, SPACING = (13, 10), (7, 6), (1.0, 0.7)
 LOAD = 0.6
@@ -134,14 +134,11 @@ UNENDING = [
 
 
 def test_what_a_free_body_cannot_do():
-    for solid, name in UNENDING:
-        with refuses(name):
-            asp.press(rough(spacing=(1.0, 1.0)), solid, load=LOAD)
-    surface = rough()
-    with refuses("edges", "a line contact"):
-        asp.press(asp.surfaces.Surface(surface.heights[0], edges="free"), FLUID, load=LOAD)
-    contact = asp.press(surface, FLUID, load=LOAD)
-    with refuses("slide"):
-        asp.slide(contact, shift=(0, 1))
-    with refuses("solid"):
-        asp.relax(contact)
+    contact, square = asp.press(rough(), FLUID, load=LOAD), rough(spacing=(1.0, 1.0))
+    line = asp.surfaces.Surface(contact.heights[0], edges="free")
+    each_refuses(
+        *((name, lambda solid=solid: asp.press(square, solid, load=LOAD)) for solid, name in UNENDING),
+        ("edges", "a line contact", lambda: asp.press(line, FLUID, load=LOAD)),
+        ("slide", lambda: asp.slide(contact, shift=(0, 1))),
+        ("solid", asp.relax, contact),
+    )

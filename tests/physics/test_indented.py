@@ -1,7 +1,5 @@
 """Records of indenters: what is read, what is inferred, and what is refused."""
 
-import os
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,7 +7,7 @@ import pytest
 
 import asperity as asp
 from asperity.inference import Indentation, read_indentation
-from tests.refusals import refuses
+from tests.refusals import each_refuses, refuses
 
 TRUE = {"modulus": 1333.0, "share_1": 0.4, "time_1": 0.2}
 SERIES = asp.relaxation.PronySeries(TRUE["modulus"], ((TRUE["share_1"], TRUE["time_1"]),))
@@ -17,7 +15,6 @@ RADIUS = 1e-5
 TIME = np.linspace(0, 4, 161)
 DEPTH = np.interp(TIME, (0, 0.8, 1.6, 3, 3.8, 4), (-1e-6, 0, 1e-6, 1e-6, -0.5e-6, -0.75e-6))
 FORCE = asp.theory.ting(TIME, DEPTH, SERIES, RADIUS)
-GELS = Path(os.environ.get("ASPERITY_DATA", "."), "indentation")
 BALL = {"model": "ball", "radius": "10 um"}
 
 
@@ -42,6 +39,7 @@ def test_a_record_gives_its_solid_and_retraction(contact, signs):
         assert found.verdicts[name].value == pytest.approx(value, rel=0.01)
         assert found.verdicts[name].verdict == "determined"
     assert found.deviation[0] < 2e-3
+    assert not any("drift" in remark or "misses" in remark for remark in found.remarks)
     assert [name for name, *_ in found.record.segments] == ["approach", "hold", "retraction"]
     words = "falls into the body, forces below 0" if signs[0] < 0 else "grows into the body, forces above 0"
     assert words in found.record.signs
@@ -93,8 +91,6 @@ def test_creep_that_is_steady_at_the_end_of_a_hold_may_be_a_drift():
     force = asp.theory.ting(TIME, DEPTH, slow, RADIUS)
     found = inferred(TIME, DEPTH, force=noisy(7, part=1e-4, force=force), branches=1, **BALL)
     assert any("drift of the instrument" in remark for remark in found.remarks)
-    still = inferred(TIME, DEPTH, force=noisy(7, part=1e-4), branches=1, **BALL)
-    assert not any("drift" in remark or "misses" in remark for remark in still.remarks)
 
 
 def test_another_shape_misses_the_record_with_a_remark():
@@ -119,8 +115,7 @@ def test_words_of_machines(tmp_path, height):
     assert "force from 'force_nN' in nN" in read
     assert record.contact is None  # to be fitted
     np.testing.assert_allclose(np.diff(record.depth), np.diff(DEPTH), atol=2e-9)
-    found = inferred(record, branches=1, **BALL)
-    assert found.verdicts["modulus"].value == pytest.approx(TRUE["modulus"], rel=0.02)
+    np.testing.assert_allclose(record.force, FORCE, atol=1e-3 * FORCE.max())
     assert "falls into the body" in record.signs
 
 
@@ -147,35 +142,32 @@ def test_units_and_columns_are_required(tmp_path):
 
 
 def test_what_is_no_record_is_refused():
-    with refuses("contact", got="2e-06 m"):
-        Indentation.of(TIME, DEPTH, FORCE, contact="2 um")
-    with refuses("depth", got="a depth that falls from the first row on"):
-        Indentation.of(TIME[TIME > 3], DEPTH[TIME > 3], FORCE[TIME > 3])
-    random = np.random.default_rng(0).standard_normal(TIME.size)
-    with refuses("force"):
-        Indentation.of(TIME, DEPTH, 1e-12 * random, contact="fit")
-    again = np.append(DEPTH, DEPTH + 0.0)
-    twice = np.append(TIME, TIME + 4.1)
-    with refuses("depth", got="depths that rise again at 4.95 s"):
-        Indentation.of(twice, again, np.append(FORCE, 0.5 * FORCE))
-    with refuses("time", got="0.025 after 0.05"):
-        Indentation.of([0.0, 0.05, 0.025, *range(1, 8)], np.arange(10.0), np.arange(10.0))
-    with refuses("time", got="3"):
-        Indentation.of(TIME[:3], DEPTH[:3], FORCE[:3])
-    with refuses("force", got="5"):
-        Indentation.of(TIME, DEPTH, FORCE[:5])
-    with refuses("radius", got="none"):
-        inferred(TIME, DEPTH, force=FORCE, model="ball")
-    with refuses("model"):
-        inferred(TIME, DEPTH, force=FORCE, radius=RADIUS)
-    with refuses("ramp", got="1.0"):
-        inferred(TIME, DEPTH, force=FORCE, ramp=1.0, **BALL)
-    with refuses("radius", got="'10 um'"):
-        inferred([1.0, 2.0, 3.0], [1.0, 2.0, 3.0], **BALL)
-    with refuses("branches", got="7"):
-        inferred(TIME, DEPTH, force=FORCE, branches=7, **BALL)
-    with refuses("prior of weight", got="weight"):
-        inferred(TIME, DEPTH, force=noisy(6), priors={"weight": (1, 2)}, branches=1, **BALL)
+    noise = 1e-12 * np.random.default_rng(0).standard_normal(TIME.size)
+    twice, rows = np.append(TIME, TIME + 4.1), np.arange(10.0)
+    again, weaker = np.append(DEPTH, DEPTH + 0.0), np.append(FORCE, 0.5 * FORCE)
+    late, three, record = TIME > 3, [1.0, 2.0, 3.0], Indentation.of
+
+    def ball(*data, **how):
+        return lambda: inferred(*data, **how, **BALL)
+
+    each_refuses(
+        ("contact", "2e-06 m", lambda: record(TIME, DEPTH, FORCE, contact="2 um")),
+        ("depth", "a depth that falls from the first row on", record, TIME[late], DEPTH[late], FORCE[late]),
+        ("force", lambda: record(TIME, DEPTH, noise, contact="fit")),
+        ("depth", "depths that rise again at 4.95 s", record, twice, again, weaker),
+        ("time", "0.025 after 0.05", record, [0.0, 0.05, 0.025, *range(1, 8)], rows, rows),
+        ("time", "3", record, TIME[:3], DEPTH[:3], FORCE[:3]),
+        ("force", "5", record, TIME, DEPTH, FORCE[:5]),
+        ("radius", "none", lambda: inferred(TIME, DEPTH, force=FORCE, model="ball")),
+        ("model", lambda: inferred(TIME, DEPTH, force=FORCE, radius=RADIUS)),
+        ("ramp", "1.0", ball(TIME, DEPTH, force=FORCE, ramp=1.0)),
+        ("radius", "'10 um'", ball(three, three)),
+        ("branches", "7", ball(TIME, DEPTH, force=FORCE, branches=7)),
+        (
+            *("prior of weight", "weight"),
+            ball(TIME, DEPTH, force=noisy(6), priors={"weight": (1, 2)}, branches=1),
+        ),
+    )
 
 
 @pytest.mark.slow
@@ -188,19 +180,3 @@ def test_intervals_contain_what_made_the_record(rho):
             low, high = found.verdicts[name].profile
             inside[name] += low <= value <= high
     assert min(inside.values()) >= 12  # of 16 at 95 %: fewer once in 1000 times
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not GELS.is_dir(), reason="records of gels are not part of the repository: ASPERITY_DATA")
-@pytest.mark.parametrize("speed", [10])
-def test_polyacrylamide_predicts_its_retraction_and_agarose_does_not(speed):
-    off = {}
-    for gel, peak in (("PAA", 4), ("Agarose", 2)):
-        record, _ = read_indentation(GELS / f"afm_{gel}_speed_{speed}_{peak}nN.csv")
-        found = inferred(record, poisson=0.5, **BALL)
-        off[gel] = found.deviation[0]
-        if gel == "PAA":
-            low, _, high = found.modulus_at(0.1)[:, 0]
-            assert low < 1400
-            assert high > 1000
-    assert off["PAA"] < 0.08 < off["Agarose"]

@@ -9,7 +9,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import asperity as asp
-from tests.refusals import refuses
+from tests.refusals import each_refuses
 
 SHARES, TIMES, MODULUS, RADIUS = (0.3, 0.3), (0.1, 1.0), 1000.0, 1e-5
 SERIES = asp.relaxation.PronySeries(MODULUS, tuple(zip(SHARES, TIMES, strict=True)))
@@ -99,17 +99,14 @@ def test_a_depth_held_from_the_first_time_relaxes():
 
 
 def test_shapes_times_and_sizes_are_refused():
-    time, depth = np.arange(4.0), np.array([0.0, 1e-6, 2e-6, 0.0])
-    with refuses("depth", got="shape (3,)"):
-        asp.theory.ting(time, depth[:3], SERIES, RADIUS)
-    with refuses("time", got="3.0 before 2.0"):
-        asp.theory.ting(time[::-1], depth, SERIES, RADIUS)
-    with refuses("radius", got="none"):
-        asp.theory.ting(time, depth, SERIES)
-    with refuses("angle", got="none"):
-        asp.theory.ting(time, depth, SERIES, RADIUS, tip="cone")
-    with refuses("depth", got="a rise up to 3 s"):
-        asp.theory.ting(np.arange(5.0), [0.0, 2e-6, 1e-6, 1.9e-6, 0.0], SERIES, RADIUS)
+    time, depth, ting = np.arange(4.0), np.array([0.0, 1e-6, 2e-6, 0.0]), asp.theory.ting
+    each_refuses(
+        ("depth", "shape (3,)", ting, time, depth[:3], SERIES, RADIUS),
+        ("time", "3.0 before 2.0", ting, time[::-1], depth, SERIES, RADIUS),
+        ("radius", "none", ting, time, depth, SERIES),
+        ("angle", "none", lambda: ting(time, depth, SERIES, RADIUS, tip="cone")),
+        ("depth", "a rise up to 3 s", ting, np.arange(5.0), [0.0, 2e-6, 1e-6, 1.9e-6, 0.0], SERIES, RADIUS),
+    )
 
 
 @pytest.mark.slow

@@ -512,6 +512,7 @@ measured = pytest.mark.skipif(
 
 
 @measured
+@pytest.mark.slow
 def test_a_force_at_a_held_depth_relaxes_in_two_times():
     """An oocyte: 1.60 and 8.9 s by a fit with equal weights of rows at equal distances in time."""
     time, force = np.loadtxt(MEASURED / "afm_oocyte1_relaxation.csv", delimiter=",", skiprows=2).T
@@ -525,6 +526,7 @@ def test_a_force_at_a_held_depth_relaxes_in_two_times():
 
 
 @measured
+@pytest.mark.slow
 def test_a_measured_hold_of_a_ball_takes_seconds():
     time, depth, _, segment = np.loadtxt(MEASURED / "afm_polymergel_hold.csv", delimiter=",", skiprows=2).T
     time, depth = time[segment == 1] - 3.0, 1e-6 * depth[segment == 1]

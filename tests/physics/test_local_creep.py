@@ -52,13 +52,13 @@ def test_under_small_stresses_it_is_viscous(hold, R):
     np.testing.assert_allclose(runs[0]["load"], runs[1]["load"], rtol=1e-3, atol=1e-3)
 
 
-@pytest.mark.parametrize("law", [Eyring(rate=0.1, stress=0.3), Norton(rate=0.1, stress=0.3, exponent=4)])
 @pytest.mark.parametrize(
-    ("solid", "share", "compliance"),
+    ("solid", "law", "share", "compliance"),
     [
-        (lattice, 1.0, 1 / 3),
-        (lambda law: half_space(modulus=1.0, creep=law), 1.0, 0.0),
-        (lambda law: half_space(modulus=1.0, creep=law, permanent=0.4), 0.6, 0.0),
+        (lattice, Eyring(rate=0.1, stress=0.3), 1.0, 1 / 3),
+        (lattice, Norton(rate=0.1, stress=0.3, exponent=4), 1.0, 1 / 3),
+        (lambda law: half_space(modulus=1.0, creep=law), Norton(0.1, 0.3, 4), 1.0, 0.0),
+        (lambda law: half_space(modulus=1.0, creep=law, permanent=0.4), Eyring(0.1, 0.3), 0.6, 0.0),
     ],
 )
 def test_a_flat_surface_sinks_by_the_law_alone_while_the_load_rises(law, solid, share, compliance):

@@ -82,8 +82,7 @@ def explicit(target, R_viscous):
 
 
 @pytest.mark.parametrize("solver", [Multigrid(), ActiveSet()], ids=["springs", "fields"])
-@pytest.mark.parametrize("R_viscous", [0.0, 0.5])
-@pytest.mark.parametrize("target", ["load", "separation"])
+@pytest.mark.parametrize(("target", "R_viscous"), [("load", 0.0), ("separation", 0.5)])
 def test_oscillations_follow_the_explicit_algorithm(target, R_viscous, solver):
     value = {"load": 6.0, "separation": 0.7}[target]
     how: dict[str, Any] = {target: value}

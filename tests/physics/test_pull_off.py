@@ -11,7 +11,7 @@ import pytest
 import asperity as asp
 from asperity.errors import Remark
 from asperity.figures import carried_figure
-from tests.refusals import refuses
+from tests.refusals import each_refuses
 
 HALF_SPACE = asp.solids.half_space(modulus=1.0)
 pytestmark = pytest.mark.filterwarnings("ignore::asperity.errors.Remark")
@@ -59,10 +59,7 @@ def kendall(contact: asp.Contact, work: float) -> float:
         (3, (1, 1), 0.05),
         (5.2, (1, 3), 0.06),
         (10, (1, 1), 0.02),
-        (16, (1, 1), 0.02),
         (14.2, (1, 2), 0.02),
-        (14.2, (2, 1), 0.02),
-        (17.4, (1, 3), 0.02),
         (17.4, (3, 1), 0.02),
     ],
 )
@@ -258,17 +255,13 @@ def test_what_cannot_be_pulled():
     springs = asp.press(rough, asp.solids.spring_lattice(k0=1.0, k1=1.0), load=5.0)
     line = asp.press(rough[0], HALF_SPACE, load=1.0)
     full = asp.press(surface(1e-3 * rough, "periodic"), HALF_SPACE, load=100.0)
-    for name, got, one, work in (
-        ("work", "0.0", contact, 0.0),
-        ("work", "-1.0", contact, -1.0),
-        ("work", "'50 mJ'", contact, "50 mJ"),
-        ("units", "50 mJ/m^2", contact, "50 mJ/m^2"),
-        ("pull_off", "a spring lattice", springs, 1.0),
-        ("pull_off", "a line contact", line, 1.0),
-        ("pull_off", "full contact", full, 1.0),
-    ):
-        with refuses(name, got):
-            one.pull_off(work)
+    each_refuses(
+        *(("work", wrong, contact.pull_off, wrong) for wrong in (0.0, -1.0, "50 mJ")),
+        ("units", "50 mJ/m^2", contact.pull_off, "50 mJ/m^2"),
+        ("pull_off", "a spring lattice", springs.pull_off, 1.0),
+        ("pull_off", "a line contact", line.pull_off, 1.0),
+        ("pull_off", "full contact", full.pull_off, 1.0),
+    )
 
 
 @pytest.mark.filterwarnings("default::asperity.errors.Remark")
@@ -281,7 +274,10 @@ def test_few_pixels_and_little_load_are_remarked():
 
 
 @pytest.mark.filterwarnings("default::asperity.errors.Remark")
-@pytest.mark.parametrize(("radius", "wide"), [(4, 1.0), (6, 1.05), (8, 1.0), (8, 1.1), (8, 1.5)])
+@pytest.mark.parametrize(
+    ("radius", "wide"),
+    [(4, 1.0), (6, 1.05), (8, 1.0), *(pytest.param(8, x, marks=pytest.mark.slow) for x in (1.1, 1.5))],
+)
 def test_the_error_of_a_ball_is_at_most_that_of_the_remark(radius, wide):
     """Beside 1.5 pi w R; from hardly wider than at the pull-off, to half as wide again."""
     for off in ((0.0, 0.0), (0.23, 0.41)):

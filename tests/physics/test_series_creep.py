@@ -201,7 +201,7 @@ def test_pressures_of_a_hundred_stresses_fall_through_all_decades():
         assert 0.85 * most < history.final.largest_pressure < most
 
 
-@pytest.mark.parametrize("permanent", [0.02, 0.4])
+@pytest.mark.parametrize("permanent", [pytest.param(0.02, marks=pytest.mark.slow), 0.4])
 def test_beside_a_permanent_share_the_end_is_the_elastic_contact_of_that(permanent):
     solid = half_space(modulus=MODULUS, creep=Eyring(rate=1e-9, stress=2e7), permanent=permanent)
     start = asp.press(scan(), solid, pressure=3e7)

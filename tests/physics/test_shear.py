@@ -11,7 +11,7 @@ from scipy.special import ellipe, ellipk
 
 import asperity as asp
 from asperity.contact.contact import Direction
-from tests.refusals import refuses
+from tests.refusals import each_refuses
 
 MODULUS, SHAPE, SIDES = 2.0, (14, 12), (1.0, 1.5)
 SOLID = asp.solids.half_space(modulus=MODULUS)
@@ -179,11 +179,9 @@ def test_what_has_no_shear():
     flat = asp.press(surface(np.zeros((8, 8)), "periodic"), SOLID, load=8.0)
     assert flat.tangential_stiffness(0.3) == math.inf
     layer = asp.press(rough("random"), asp.solids.layer(modulus=1.0, poisson=0.3, thickness=3.0), load=5.0)
-    for name, got, call in (
+    each_refuses(
         ("tangential_compliance", "a layer", lambda: layer.tangential_compliance(0.3)),
         ("direction", "z", lambda: contact.tangential_stiffness(0.3, wrong)),
         ("direction", "30.0", lambda: contact.partial_slip(1.0, 0.4, 0.3, 30.0)),
         ("poisson", "0.6", lambda: contact.tangential_stiffness(0.6)),
-    ):
-        with refuses(name, got):
-            call()
+    )

@@ -91,7 +91,7 @@ def test_l_stability_kills_stiff_modes_in_one_step():
     [
         (uncorrelated(32), 3.0, 0.02, 0.0, "load"),
         (uncorrelated(32), 1.0, 1e-3, 0.0, "load"),
-        (uncorrelated(32), 100.0, 0.02, 0.0, "load"),
+        pytest.param(uncorrelated(32), 100.0, 0.02, 0.0, "load", marks=pytest.mark.slow),
         pytest.param(uncorrelated(96), 1000.0, 10.0, 0.0, "load", marks=pytest.mark.slow),
         pytest.param(correlated(48), 300.0, 3.0, 0.0, "load", marks=pytest.mark.slow),
         (uncorrelated(32), 3.0, 0.1, 1.0, "load"),

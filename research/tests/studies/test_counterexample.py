@@ -11,8 +11,6 @@ from math import ceil, factorial
 import numpy as np
 import pytest
 
-import asperity as asp
-
 ROUNDED = 2**120
 HEIGHTS = [Fraction(k, 9) for k in (1, 3, 4, 5)]
 HIGH, LOW = Fraction(12, 5), Fraction(12, 25)
@@ -153,13 +151,3 @@ def test_after_a_wait_of_10_it_is_lost_between_0_170_and_0_172(line):
         forces.append(force[1])
     assert forces[0] > Fraction(1, 10**7)
     assert forces[1] < -Fraction(1, 10**7)
-
-
-def test_the_engine_agrees():
-    P = asp.protocols
-    heights = np.array([float(x) for x in HEIGHTS])
-    solid = asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0)
-    contact = asp.press(heights, solid, load=float(HIGH))
-    legs = [P.Hold(10.0), P.Step(load=float(LOW)), P.Hold(10.0)]
-    history = asp.age(contact, [10.0, 10.17, 10.172, 20.0], protocol=legs, rtol=1e-3)
-    assert history.dataset["area"].values.tolist() == [3, 3, 3, 3, 2, 2]
