@@ -128,9 +128,8 @@ def rows_of(page):
     return {first.strip(): [cell.strip() for cell in rest] for first, *rest in cells}
 
 
-@pytest.mark.parametrize(
-    "number", [0, *(pytest.param(number, marks=pytest.mark.slow) for number in range(1, 5))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(5))
 def test_growth_is_what_the_page_says(made, number):
     case = list(made["growth"].CASES)[number]
     stated, decade, _ = rows_of(DOCS / "experiments.md")[case]
@@ -167,6 +166,7 @@ def test_a_smaller_load_lets_the_area_fall_and_then_rise():
     assert area.argmin() > 0
 
 
+@pytest.mark.slow
 def test_what_a_lattice_resolves_is_what_the_page_says(made):
     page = (DOCS / "units.md").read_text()
     for line in made["resolution"].tables(quick=True):
