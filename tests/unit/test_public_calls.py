@@ -104,7 +104,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     call(asp.friction.compare_state_laws, records=RECORD, a=0.0, V_0=2.0),
     call(asp.solids.spring_lattice, k0=1.0, k1=3.0, R=2.0, R_viscous=0.5, hardness=2.0),
     call(asp.solids.Eyring, rate=2.0, stress=0.5),
-    call(asp.pull, contact=STUCK, steps=2),
+    call(asp.pull, contact=STUCK, steps=4),
     call(asp.solids.Dugdale, work=2.0, range=0.5),
     call(asp.solids.Norton, rate=2.0, stress=0.5, exponent=2.0),
     call(asp.solids.half_space, modulus=2.0, branches=[[0.5, 4.0], [0.25, 8.0]], hardness=0.5),
@@ -293,7 +293,7 @@ NO_SHAPES = [
     {4: 6},
 ]
 
-SLOW = (asp.friction.rate_and_state, asp.friction.compare_state_laws)  # a fit of a record for each type
+SLOW = (asp.friction.rate_and_state, asp.friction.compare_state_laws, asp.pull)  # for each type
 CASES = [
     pytest.param(one, given, id=one.__qualname__, marks=[pytest.mark.slow] * (one in SLOW))
     for one, given in CALLS
