@@ -107,6 +107,7 @@ def test_units_of_areas_make_them_absolute_and_those_of_times_count(asperity, ta
     assert "load / modulus / rms_slope" in summary.replace("load * area_factor / modulus", "load / modulus")
 
 
+@pytest.mark.slow
 def test_the_area_of_a_ball_has_the_unit_of_its_column(asperity):
     area = 2.0 * EXACT ** (2 / 3) * (1 + 0.01 * np.random.default_rng(1).standard_normal(T.size))
     pd.DataFrame({"time_s": T, "contact area (um^2)": area}).to_csv("ball.csv", index=False)

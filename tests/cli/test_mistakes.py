@@ -100,37 +100,6 @@ def desk(tmp_path_factory, finished):
     return folder
 
 
-@pytest.mark.parametrize("command", MISTAKES)
-def test_mistakes_are_one_clear_line(command, mistaken, desk, monkeypatch):
-    # Exit code 2 and one line, which `mistaken` expects; class, path and value of each mistake, where "..."
-    # stands for any words. To add one, write "ending": []; ASPERITY_MESSAGES=write writes what is refused.
-    monkeypatch.chdir(desk)
-    for late in ("asperity.simulate.follow", "asperity.app.campaign.sweeping.compile_loops"):
-        monkeypatch.setattr(late, lambda *_, **__: pytest.fail("told after something was computed"))
-    errors: list[Any] = []
-    say = complain
-
-    def heard(*of):
-        errors.append(sys.exception())
-        return say(*of)
-
-    monkeypatch.setattr(command_line, "complain", heard)
-    called: Any = app[command.split()[0]].default_command if command else None
-    own = [*signature(called).parameters] if command else []
-    for ending in MISTAKES[command]:
-        mistaken(*shlex.split(f"{command} {ending}"))
-    known, found = [*MISTAKES[command].values()], [refusal(error, own) for error in errors]
-    alike = [
-        len(old) == len(new) and all(map(matches, old, new)) for old, new in zip(known, found, strict=True)
-    ]
-    if os.environ.get("ASPERITY_MESSAGES") == "write":
-        renewed = (old if same else new for same, old, new in zip(alike, known, found, strict=True))
-        MISTAKES[command] = dict(zip(MISTAKES[command], renewed, strict=True))
-        TABLE.write_text(re.sub(r"\n   +|\n  (?=\])", " ", json.dumps(MISTAKES, indent=1)) + "\n", "utf-8")
-    else:
-        assert all(alike), [pair for same, *pair in zip(alike, known, found, strict=True) if not same]
-
-
 def cured(words, error):
     """Where the first mistake of an error is, and a command with its cure; no command without a cure."""
     first = next(iter(getattr(error, "mistakes", ())), error)
@@ -145,30 +114,50 @@ def cured(words, error):
     return where, words
 
 
-@pytest.mark.parametrize("command", [command for command in MISTAKES if command])
-def test_what_a_mistake_advises_is_not_refused_for_the_same(command, desk, asperity, monkeypatch):
+@pytest.mark.parametrize("command", MISTAKES)
+def test_mistakes_are_one_clear_line_whose_advice_is_not_refused_for_the_same(
+    command, mistaken, asperity, desk, monkeypatch
+):
+    # Exit code 2 and one line, which `mistaken` expects; class, path and value of each mistake, where "..."
+    # stands for any words. To add one, write "ending": []; ASPERITY_MESSAGES=write writes what is refused.
     monkeypatch.chdir(desk)
-    reached = Mock(side_effect=KeyboardInterrupt)
     for late in ("simulate.follow", "app.campaign.sweeping.compile_loops", "inference.inferring.conclude"):
-        monkeypatch.setattr(f"asperity.{late}", reached)
+        monkeypatch.setattr(f"asperity.{late}", Mock(side_effect=KeyboardInterrupt))  # too late to be told
     errors: list[Any] = []
+    say = complain
 
-    def heard(status, *_):
+    def heard(*of):
         errors.append(sys.exception())
-        return status
+        return say(*of)
 
     monkeypatch.setattr(command_line, "complain", heard)
-    for ending in MISTAKES[command]:
-        words = shlex.split(f"{command} {ending}")
-        asperity(*words)
-        for _ in range(2):  # two columns may lack a unit
-            error, count = errors[-1], len(errors)
-            where, better = cured(words, error)
-            if better != words:
-                asperity(*better)
-                same = cured(better, errors[-1])[0] == where and str(errors[-1]) == str(error)
-                assert len(errors) == count or not same, shlex.join(better)
-                words = better
+    called: Any = app[command.split()[0]].default_command if command else None
+    own = [*signature(called).parameters] if command else []
+    lines = [shlex.split(f"{command} {ending}") for ending in MISTAKES[command]]
+    for words in lines:
+        mistaken(*words)
+    of_lines, known = errors[:], [*MISTAKES[command].values()]
+    for words, error in zip(lines, of_lines, strict=True):
+        for _ in range(2 if command else 0):  # two columns may lack a unit
+            (where, better), count = cured(words, error), len(errors)
+            if better == words:
+                break
+            asperity(*better)
+            if len(errors) == count:
+                break
+            same = cured(better, errors[-1])[0] == where and str(errors[-1]) == str(error)
+            assert not same, shlex.join(better)
+            words, error = better, errors[-1]
+    found = [refusal(error, own) for error in of_lines]
+    alike = [
+        len(old) == len(new) and all(map(matches, old, new)) for old, new in zip(known, found, strict=True)
+    ]
+    if os.environ.get("ASPERITY_MESSAGES") == "write":
+        renewed = (old if same else new for same, old, new in zip(alike, known, found, strict=True))
+        MISTAKES[command] = dict(zip(MISTAKES[command], renewed, strict=True))
+        TABLE.write_text(re.sub(r"\n   +|\n  (?=\])", " ", json.dumps(MISTAKES, indent=1)) + "\n", "utf-8")
+    else:
+        assert all(alike), [pair for same, *pair in zip(alike, known, found, strict=True) if not same]
 
 
 def test_several_mistakes_have_a_line_each(asperity):

@@ -32,7 +32,7 @@ def empty_folder(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(
     "script",
-    [SCRIPTS[0], *(pytest.param(script, marks=pytest.mark.slow) for script in SCRIPTS[1:])],
+    [pytest.param(script, marks=[pytest.mark.slow] * (script.stem != "own_array")) for script in SCRIPTS],
     ids=lambda script: str(script.relative_to(GALLERY)),
 )
 @pytest.mark.usefixtures("empty_folder", "no_display")

@@ -156,11 +156,12 @@ def surface_file(path):
 LONG = {
     f"docs/{name}.md"
     for name in (
-        *("adhesion", "campaigns", "challenge", "edges", "figures", "friction", "histories"),
-        *("inference", "law", "predict", "rate_and_state", "solids", "start", "surfaces"),
+        *("adhesion", "campaigns", "challenge", "edges", "explore", "figures", "friction", "hardness"),
+        *("histories", "indentation", "inference", "law", "predict", "rate_and_state", "sliding"),
+        *("solids", "start", "surfaces"),
     )
 }
-"""Pages whose commands take more than five seconds."""
+"""Pages whose commands take more than a second."""
 
 
 @pytest.mark.usefixtures("coarse_pictures")

@@ -94,12 +94,10 @@ RUNS: dict[str, tuple[dict[str, Any], Sequence[float]]] = {
     ),
     "from above": (run_of(ABOVE, [0.1, 0.7, 1.5], [P.Ramp(1.0, separation=1.0), P.Hold(1.0)]), [0.7, 1.5]),
 }
-for of, solver in (("springs", None), ("fields", ActiveSet())):
-    for name, protocol, times in (("legs", LEGS, IN_LEGS), ("shifts", SLIDES, BETWEEN_SHIFTS)):
-        RUNS[f"{name}, {of}"] = run_of(HEAVY, times, protocol, fields_at=times, solver=solver), times
 AGES = asp.Carried(strength=asp.friction.ShearStrength(0.5, growth=0.1, after=0.1, renewal=2.0))
-for name, protocol, times in (("legs", LEGS, IN_LEGS), ("shifts", SLIDES, BETWEEN_SHIFTS)):
-    RUNS[f"{name}, ages"] = run_of(HEAVY, times, protocol, fields_at=times, carried=AGES), times
+for of, how in (("ages", {"carried": AGES}), ("fields", {"solver": ActiveSet()})):
+    for name, protocol, times in (("legs", LEGS, IN_LEGS), ("shifts", SLIDES, BETWEEN_SHIFTS)):
+        RUNS[f"{name}, {of}"] = run_of(HEAVY, times, protocol, fields_at=times, **how), times
 for name, solid in SOLIDS.items():
     RUNS[name] = run_of(asp.press(SMALL, solid, load=8.0), [0.5, 2.0, 6.0, 6.5], EASED), [0.5, 2.0, 6.5]
 

@@ -209,6 +209,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say(protocol, law):
     assert min(coverage(protocol, law, CASES).values()) >= binom.ppf(0.004, CASES, 0.95)
 
 
+@pytest.mark.slow
 def test_intervals_count_the_errors_of_the_velocities_of_the_load_point():
     """D_c is a slip. Friction, with little noise, would give it to 0.01 %, the load point to 0.1 %."""
     time, place, _, friction = exact(*STEPS, law="slip")
@@ -390,7 +391,9 @@ def test_no_law_is_fitted_to_stick_slip(seed):
         F.rate_and_state(record, law=law)
 
 
-@pytest.mark.parametrize(("law", "speed"), [("aging", 10.0), ("slip", 3.0)])
+@pytest.mark.parametrize(
+    ("law", "speed"), [pytest.param("aging", 10.0, marks=pytest.mark.slow), ("slip", 3.0)]
+)
 def test_a_slider_near_the_limit_of_stability_is_fitted(law, speed):
     """At k of 1.08 (b - a)/D_c friction falls faster than it rises, in cycles that die out."""
     shape = Shape(a=0.008, b=0.012, D_c=10 * UM, k=1.08 * 0.004 / (10 * UM))

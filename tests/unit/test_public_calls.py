@@ -293,7 +293,7 @@ NO_SHAPES = [
     {4: 6},
 ]
 
-SLOW = (asp.friction.rate_and_state, asp.friction.compare_state_laws)  # a fit of a record for each type
+SLOW = (asp.friction.rate_and_state, asp.friction.compare_state_laws, asp.pull)  # for each type
 CASES = [
     pytest.param(one, given, id=one.__qualname__, marks=[pytest.mark.slow] * (one in SLOW))
     for one, given in CALLS
