@@ -70,7 +70,7 @@ def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
 
 
 def to_tables(config: RunConfig) -> dict[str, Any]:
-    """Tables of which `from_tables` makes the same configuration."""
+    """Tables of which `RunConfig.read` makes the same configuration."""
     tables = config.tables
     if "times" in tables["aging"]:
         for rival in ("first", "last", "per_decade"):
@@ -81,11 +81,6 @@ def to_tables(config: RunConfig) -> dict[str, Any]:
     if config.carries is None:
         del tables["carried"]
     return tables
-
-
-def from_tables(tables: dict[str, Any]) -> RunConfig:
-    """Make a configuration of the tables of `to_tables`."""
-    return RunConfig.read(tables)
 
 
 def to_toml(config: RunConfig) -> str:
