@@ -37,7 +37,7 @@ def contact():
 
 @pytest.fixture(scope="module")
 def history(contact):
-    how: dict[str, Any] = {"resistivity": "17 nOhm m", "shear": "0.2 mN", "friction": 0.4}
+    how: dict[str, Any] = {"resistivity": "17 nOhm m", "shear": "0.2 mN", "friction_coefficient": 0.4}
     carried = asp.Carried(conductivity=0.2, poisson=0.3, work_of_adhesion=2.0, **how)
     return asp.age(contact, [0.1, 1.0, 10.0], carried=carried)
 
@@ -61,7 +61,7 @@ def test_a_history_records_what_its_contacts_carry(contact, history):
 
 def test_a_load_that_falls_ends_the_sticking(contact):
     legs = [P.Hold(1.0), P.Step(load=4e-4), P.Hold(1.0)]
-    told = asp.Carried(shear="0.2 mN", friction=0.4)
+    told = asp.Carried(shear="0.2 mN", friction_coefficient=0.4)
     with pytest.warns(Remark, match="slide at 2 of 4"):
         sticks = asp.age(contact, [1.0, 2.0], protocol=legs, carried=told).dataset["stick_fraction"].values
     assert (sticks[:2] > 0).all()

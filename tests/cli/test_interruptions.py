@@ -70,7 +70,7 @@ def test_a_run_that_is_stopped(tmp_path, stop):
 
 @pytest.mark.slow
 def test_a_long_run_that_is_killed_goes_on_to_the_same_result(tmp_path):
-    often = "import asperity.app.cli.computing as command\ncommand._CHECKPOINT_EVERY = 0.0"
+    often = "import asperity.app.cli.asking as command\ncommand._CHECKPOINT_EVERY = 0.0"
     flags = ("--shape", "64,64", "--last", "1e6")
     for stop, at in ((signal.SIGKILL, "  t = 1 "), (signal.SIGINT, "  t = 100")):
         running = process("run", *flags, "--out", tmp_path / "out", before=stopping(stop, at) + often)

@@ -13,7 +13,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import asperity as asp
-from asperity.app.cli import computing, main
+from asperity.app.cli import asking, main
 from asperity.app.cli.flags import naming
 from asperity.app.config import config_from
 from asperity.app.runs import Progress
@@ -311,7 +311,7 @@ def test_an_interrupted_prediction_goes_on(files, monkeypatch, asperity, scan, u
             if frame.time > 1.0:
                 raise KeyboardInterrupt
 
-    monkeypatch.setattr(computing, "_CHECKPOINT_EVERY", 0.0)
+    monkeypatch.setattr(asking, "_CHECKPOINT_EVERY", 0.0)
     call = words(files, "--pressure", "40MPa", "--ramp", "50ms", "--quiet", "--out", tmp_path / "out")
     with monkeypatch.context() as hurried:
         hurried.setattr("asperity.progress.Progress", Impatient)

@@ -237,7 +237,7 @@ def test_loads_that_come_from_nothing():
         contact, legs, times = coming(draw, bodies)
         carried, shear, friction = None, bodies.load * draw.decades(-3, 0), draw.decades(-1, 0.3)
         if bodies.solid.kind == "half_space" and contact.heights.ndim == 2 and draw.chance(0.5):
-            carried = asp.Carried(shear=shear, friction=friction)
+            carried = asp.Carried(shear=shear, friction_coefficient=friction)
         draw.say(carried)
         history = asp.age(contact, times, protocol=legs, rtol=draw.one([1e-2, 0.1]), carried=carried)
         series, final = history.dataset, history.final

@@ -110,7 +110,7 @@ def test_nothing_sticks_until_a_ramp_carries_the_shear_force():
     """On an elastic half-space the state at each load is that of the load alone."""
     heights = np.random.default_rng(3).normal(size=(16, 16))
     surface, load, shear = free(heights, 1.0), 20.0, 1.0
-    carried = asp.Carried(shear=shear, friction=MU)
+    carried = asp.Carried(shear=shear, friction_coefficient=MU)
     times = [0.1, 0.12, 0.13, 0.5, 1.0, 2.0]  # shear / (MU load) is 0.125
     legs = [asp.protocols.Ramp(1.0, load=load), asp.protocols.Hold(1.0)]
     with pytest.warns(Remark, match="the bodies slide at 3 of 7 recorded times"):

@@ -434,7 +434,7 @@ def test_a_checkpoint_keeps_the_pressures_that_are_done(tmp_path, law, monkeypat
         ({"times": [1.0, 0.5]}, "times", "0.5"),
         ({"times": []}, "times", "(0,)"),
         ({"solid": ELASTIC.with_hardness("5 MPa")}, "pressures", "20 MPa"),
-        ({"carried": asp.Carried(shear=1e-3, friction=0.3)}, "shear", "0.001"),
+        ({"carried": asp.Carried(shear=1e-3, friction_coefficient=0.3)}, "shear", "0.001"),
         ({"carried": asp.Carried(work_of_adhesion=0.05)}, "work_of_adhesion", "0.05"),
         ({"surface": asp.surfaces.Surface(ROUGH[0], "m", (PIXEL,), "m")}, "surface", "a profile"),
         ({"per_decade": 0}, "per_decade", "0"),

@@ -150,7 +150,7 @@ def test_toml_takes_the_size_of_pixels_for_waves_too():
 def test_a_remark_is_at_the_line_that_called():
     made = SURFACES.gaussian((8, 8), rms="1 um", unit="um")
     rough = dataclasses.replace(made, filled=np.ones((8, 8), dtype=bool))
-    slides = asp.Carried(shear="1 N", friction=0.1)
+    slides = asp.Carried(shear="1 N", friction_coefficient=0.1)
     calls: list[Callable[[], object]] = [
         lambda: asp.press(rough, STIFF, pressure="1 MPa"),
         lambda: asp.press(rough, STIFF, pressure=["1 MPa"]),

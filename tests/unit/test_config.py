@@ -18,17 +18,18 @@ from asperity.app.config import MeasuredSurface, config_from
 from asperity.app.config.keys import Key, sections
 from asperity.app.config.mistakes import Door
 from asperity.app.config.python import to_python
-from asperity.app.config.reading import config_at, file_surface, from_tables, read_config, to_tables, to_toml
+from asperity.app.config.reading import config_at, file_surface, read_config, to_tables, to_toml
 from asperity.app.runs import Progress, execute, recorded_times
 from asperity.app.runs.pipeline import height_law
-from asperity.ask.legs import keys_of_leg
 from asperity.ask.run import ORDER, Aging, Output, RunConfig
 from asperity.ask.section import KINDS as SECTIONS
+from asperity.ask.section import keys_of_maker
 from asperity.ask.solid import SOLIDS, HalfSpace
 from asperity.ask.surface import SURFACES
 from asperity.base.words import has_unit, numbers, written_with_units
 from asperity.errors import ConfigError, InputError
 from asperity.lattice import Lattice
+from asperity.protocols.legs import KINDS as KINDS_OF_LEGS
 from asperity.solids import Solid
 from asperity.theory import ExponentialHeights, GaussianHeights
 from tests.refusals import refuses
@@ -301,7 +302,7 @@ def test_what_is_written_reads_back_as_the_very_same(tmp_path: Path) -> None:
         from_no_load,
     ):
         assert configured(tmp_path, to_toml(config)) == config
-        assert from_tables(json.loads(json.dumps(to_tables(config)))) == config
+        assert RunConfig.read(json.loads(json.dumps(to_tables(config)))) == config
         assert pickle.loads(pickle.dumps(config)) == config  # as it goes to other processes
 
 
@@ -487,7 +488,7 @@ def test_a_load_that_is_left_open_is_refused() -> None:
 def accepts(home: tuple[str, str], key: Key, value: object) -> bool:
     """Whether a section takes a value for a key, whatever it says of others."""
     section, kind = home
-    keys = keys_of_leg(kind) if section == "protocol" else SECTIONS[section][kind].keys
+    keys = keys_of_maker(KINDS_OF_LEGS[kind]) if section == "protocol" else SECTIONS[section][kind].keys
     try:
         keys[key.name].read(key.name, value)
     except InputError:

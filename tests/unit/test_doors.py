@@ -23,6 +23,7 @@ from asperity.app.config.mistakes import Door
 from asperity.app.config.reading import config_at, to_toml
 from asperity.app.explore.server import Places, read_request
 from asperity.ask.questions import QUESTIONS
+from asperity.ask.section import keys_of_maker
 from asperity.ask.solid import OF_DATA
 from asperity.base.parameters import parameters_of
 from asperity.base.words import tables_to_toml
@@ -258,8 +259,8 @@ COMMANDS = {"prediction": "predict"}
 def test_what_a_question_is_asked_is_an_argument_and_a_flag(name, verb) -> None:
     question, arguments = QUESTIONS[name], signature(verb).parameters
     assert list(arguments) == list(signature(question).parameters)
-    assert question.own().keys() <= question.keys().keys() <= arguments.keys()
-    assert question.own().keys() <= {key.name for _, key in keys_for(name)}
+    assert keys_of_maker(question).keys() <= question.checked().keys() <= arguments.keys()
+    assert keys_of_maker(question).keys() <= {key.name for _, key in keys_for(name)}
     assert verb.__doc__ == question.__doc__
 
 

@@ -109,7 +109,7 @@ def test_a_command_keeps_what_came_while_it_computed(here, monkeypatch, capsys):
         come("out/thesis/1.txt")
         return answer(*words, **more)
 
-    monkeypatch.setattr("asperity.app.cli.computing.answer", answered)
+    monkeypatch.setattr("asperity.app.runs.answer", answered)
     assert main(["run", *SMALL, "--quiet", "--out", "out"]) == 1
     assert capsys.readouterr().err.splitlines()[-1] == (
         "asperity: out holds what was not there when this began, and is kept; the results are in out-2"

@@ -102,7 +102,9 @@ def assert_equal(one, other, rtol=1e-12):
 @pytest.mark.parametrize("edges", ["reflecting", "periodic"])
 @pytest.mark.parametrize("exact", [True, False])
 def test_a_half_space_from_outside_is_that_of_the_package(edges, exact):
-    carried = asp.Carried(resistivity=1e-7, conductivity=200.0, poisson=0.3, shear=1e-3, friction=0.3)
+    carried = asp.Carried(
+        resistivity=1e-7, conductivity=200.0, poisson=0.3, shear=1e-3, friction_coefficient=0.3
+    )
     runs = [
         asp.age(pressed(solid, edges), TIMES, fields_at=TIMES, carried=carried, exact=exact)
         for solid in (OUTSIDE, INSIDE)

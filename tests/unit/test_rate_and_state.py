@@ -340,7 +340,7 @@ def test_bad_records_are_refused():
     each_refuses(
         *BAD.values(),
         got=(
-            "7 after 8 | -1.0 | 3 | 0.0 | 3 | 7 after 8 m | 9 | 1 | rest at all times | none | "
+            "8.0 before 7.0 | -1.0 | 3 | 0.0 | 3 | 7 after 8 m | 9 | 1 | rest at all times | none | "
             "rests only | 5 | 'both' | 'ageing' | none | 251 and 351 times | 0.0 | 1 | 1.0 | none | "
             "1, 1.1 | float | none | a slide at once | none | 0.0 | '40 MPa' |  | -1.5262 at 1 |  |  | "
             "History"

@@ -302,7 +302,7 @@ def test_wrong_numbers_are_refused_in_one_line():
         *calls,
         got=(
             "1.1 together | 0.0 | inf | (0.1, 1.0, 2.0) | 0.1 | '0.1' | shape (2,) | -1.0 | "
-            "2.0 before 1.0 | 1 loads | -1.0 | (2.0, 1.0) | shape (2,) | 0.0 | -5 | 321 K"
+            "2.0 before 1.0 | shape (1,) | -1.0 | (2.0, 1.0) | shape (2,) | 0.0 | -5 | 321 K"
             " | above 1e100 (nothing relaxes) at 322 K | above 1e100 (nothing relaxes) at 321.4 K"
             " | below 1e-100 (all has relaxed) at 900 K | 1.0 | "
             "1.0 | 60.0 | 1e-09 | 5.0 | 0 | 1.5"

@@ -1,8 +1,7 @@
 """Aging: how a contact creeps (each implicit step is a contact problem), and where it ends."""
 
-from asperity.aging.frames import Frame
-from asperity.aging.march import creep
+from asperity.aging.frames import Frame as Frame
+from asperity.aging.march import creep as creep
 from asperity.base.calls import answered as _answered
 
-__all__ = ["Frame", "creep"]
 __dir__ = _answered(globals())

@@ -36,10 +36,10 @@ class Carried:
     poisson
         Record ``tangential_stiffness``; see `Contact.tangential_stiffness`. Without a direction, also that
         of the softest and the stiffest direction, ``tangential_stiffness_soft`` and ``_stiff``.
-    shear, friction
+    shear, friction_coefficient
         Record ``stick_fraction``, the share of the contact that sticks under this shear force, applied at
         that time, with this coefficient of friction. It is 0 where the bodies slide: at loads up to
-        shear / friction. See `Contact.partial_slip`.
+        shear / friction_coefficient. See `Contact.partial_slip`.
     direction
         Of the shear force, ``"x"`` (along the rows) or ``"y"``, and of the tangential stiffness. By default
         the force is along x.
@@ -50,10 +50,10 @@ class Carried:
     Raises
     ------
     InputError
-        Only one of shear and friction is given, or the strength is none.
+        Only one of shear and its coefficient is given, or the strength is none.
     """
 
-    needs: ClassVar[Needs] = (("shear", ("friction",)), ("friction", ("shear",)))
+    needs: ClassVar[Needs] = (("shear", ("friction_coefficient",)), ("friction_coefficient", ("shear",)))
 
     strength: ShearStrength | None = None
     stiffness: Annotated[
@@ -76,10 +76,8 @@ class Carried:
         Gt(0),
         Quantity("shear force: record the fraction of the contact that sticks.", "N"),
     ] = None
-    friction: Annotated[
-        float | None,
-        Gt(0),
-        Quantity("local coefficient of friction under the shear force", key="friction_coefficient"),
+    friction_coefficient: Annotated[
+        float | None, Gt(0), Quantity("local coefficient of friction under the shear force")
     ] = None
     direction: Annotated[
         Literal["x", "y"] | None,

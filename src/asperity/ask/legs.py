@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from asperity.ask.section import Keys, SectionError, keys_of_maker, read_keys, unknown_key
+from asperity.ask.section import SectionError, keys_of_maker, read_keys
 from asperity.base.checks import choice, shown
-from asperity.base.parameters import parameters_of
 from asperity.errors import InputError
 from asperity.protocols import Leg, measured
 from asperity.protocols.legs import KINDS
@@ -15,11 +14,6 @@ from asperity.protocols.legs import KINDS
 Place = tuple[str | int, ...]
 
 _LEGS = "legs"
-
-
-def keys_of_leg(kind: str) -> Keys:
-    """Keys of a kind of legs."""
-    return {name: one.as_key for name, one in parameters_of(KINDS[kind]).items()}
 
 
 def read_legs(tables: object, path: Place = ("protocol",)) -> tuple[Leg, ...]:
@@ -43,7 +37,7 @@ def read_legs(tables: object, path: Place = ("protocol",)) -> tuple[Leg, ...]:
 def _measured(table: dict[str, Any], path: Place) -> tuple[Leg, ...]:
     """Legs of the file that a table names."""
     keys = keys_of_maker(measured)
-    read = read_keys(keys, table, path, unknown=lambda key: unknown_key(key, keys, (*path, key)))
+    read = read_keys(keys, table, path)
     try:
         return measured(**{key: read[key] for key in table})
     except InputError as error:
@@ -54,13 +48,13 @@ def _read(table: Any, path: Place, legs: list[Leg]) -> Iterator[InputError]:
     """Append a leg, or yield its mistakes."""
     try:
         kind = choice("kind", table.get("kind") if isinstance(table, dict) else table, tuple(KINDS))
-        keys = keys_of_leg(kind)
+        keys = keys_of_maker(KINDS[kind])
         values = {key: value for key, value in table.items() if key != "kind"}
         if _LEGS in keys:
             if not values.get(_LEGS):
                 raise InputError(_LEGS, expected="at least 1 in the list", got=shown(values.get(_LEGS)))
             values[_LEGS] = list(read_legs(values[_LEGS], (*path, _LEGS)))
-        read = read_keys(keys, values, path, unknown=lambda key: unknown_key(key, keys, (*path, key)))
+        read = read_keys(keys, values, path)
         legs.append(KINDS[kind](**{key: read[key] for key in values}))
     except SectionError as error:
         yield from error.mistakes

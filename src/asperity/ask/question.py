@@ -10,9 +10,9 @@ from typing import Any, ClassVar, ParamSpec, TypeVar
 
 import numpy as np
 
-from asperity.ask.section import KINDS, Keys, Section
+from asperity.ask.section import KINDS, Keys, Section, keys_of_maker
 from asperity.base.checks import Floats
-from asperity.base.parameters import parameters_of
+from asperity.base.parameters import Checked
 
 _P = ParamSpec("_P")
 _Question = TypeVar("_Question")
@@ -49,7 +49,7 @@ def in_decades(given: Sequence[Any] | Floats | float | str, per_decade: int) -> 
     return np.geomspace(numbers[0], numbers[1], math.ceil(decades * per_decade) + 1)
 
 
-class Question:
+class Question(Checked):
     """A frozen dataclass; fields annotated with a quantity are its own keys, others may be those of sections.
 
     Attributes
@@ -75,25 +75,16 @@ class Question:
     refused: ClassVar[Mapping[tuple[str, str], str]] = {}
     pressed: ClassVar[bool] = False
 
-    def __post_init__(self) -> None:
-        for name, key in self.keys().items():
-            object.__setattr__(self, name, key.read(name, getattr(self, name)))
-
-    @classmethod
-    def own(cls) -> Keys:
-        """Keys that no section has."""
-        return {name: one.as_key for name, one in parameters_of(cls).items()}
-
     @classmethod
     def section(cls, name: str) -> type[OwnKeys]:
         """The section of a file that has its own keys."""
-        keys = {key: one for key, one in cls.own().items() if key not in cls.placed}
+        keys = {key: one for key, one in keys_of_maker(cls).items() if key not in cls.placed}
         facts = {"section": name, "keys": keys, "question": cls, "__module__": cls.__module__}
         return type(cls.__name__, (OwnKeys,), facts)
 
     @classmethod
     @functools.cache
-    def keys(cls) -> Keys:
+    def checked(cls) -> Keys:
         """Its own keys, and those of sections that it takes."""
         fields = inspect.signature(cls).parameters
         shared = {
@@ -102,7 +93,7 @@ class Question:
             for name, one in KINDS[section][""].keys.items()
             if name in fields
         }
-        return shared | cls.own()
+        return shared | keys_of_maker(cls)
 
 
 class OwnKeys(Section):

@@ -170,13 +170,8 @@ class Output(Section):
             raise self.wrong(name, expected="maps to look at", got="maps_at = []")
 
 
-SECTIONS: Mapping[str, type[Section]] = {
-    one.section: one for one in (Contact, Aging, Friction, Carried, Output)
-}
-"""Sections of one kind."""
-
 KINDS["surface"], KINDS["solid"] = {**SURFACES}, {**SOLIDS}
-KINDS.update({name: {"": one} for name, one in SECTIONS.items()})
+KINDS.update({one.section: {"": one} for one in (Contact, Aging, Friction, Carried, Output)})
 ORDER = list(KINDS)
 """All sections, in the order in which they are written and shown."""
 

@@ -39,6 +39,8 @@ class Section:
         Its keys, in their order.
     stated
         Keys that were given.
+    make
+        The function that makes such a surface or solid.
     makes
         What is made of its keys, which are its annotated fields.
     ways
@@ -51,6 +53,7 @@ class Section:
 
     section: ClassVar[str]
     kind: ClassVar[str] = ""
+    make: ClassVar[Callable[..., Any]]
     keys: ClassVar[Keys] = {}
     makes: ClassVar[type | None] = None
     ways: ClassVar[tuple[tuple[set[str], ...], ...]] = ()
@@ -67,14 +70,15 @@ class Section:
         cls.keys = {**vars(cls).get("keys", cls.keys), **{name: one.as_key for name, one in own.items()}}
 
     def __init__(self, **table: Any) -> None:
-        self._set(read_keys(self.keys, table, (self.section,), unknown=self._unknown), table)
+        self._set(read_keys(self.keys, table, (self.section,), self._unknown), table)
         self.check()
 
     @classmethod
-    def of_kind(cls, kind: str, keys: Keys) -> type[Self]:
-        """The section of a kind, with keys of its own."""
+    def of_kind(cls, kind: str, make: Callable[..., Any], keys: Keys | None = None) -> type[Self]:
+        """The section of a kind, with the arguments of what makes it as keys, or others."""
         name = f"{kind.title().replace('_', '')}{cls.__name__}"
-        return type(name, (cls,), {"kind": kind, "keys": {**cls.keys, **keys}, "__module__": cls.__module__})
+        facts = {"kind": kind, "make": staticmethod(make), "keys": cls.keys | (keys or keys_of_maker(make))}
+        return type(name, (cls,), facts | {"__module__": cls.__module__})
 
     def check(self) -> None:
         """Refuse keys that contradict each other, or lack others."""
@@ -167,11 +171,11 @@ def read_keys(
     keys: Keys,
     table: Mapping[str, object],
     path: tuple[str | int, ...],
-    *,
-    unknown: Callable[[str], InputError],
+    unknown: Callable[[str], InputError] | None = None,
 ) -> dict[str, Any]:
     """Values of all keys from a table; `SectionError` with every mistake."""
     foreign = [key for key in table if key not in keys]
+    unknown = unknown or (lambda key: unknown_key(key, keys, (*path, key)))
     mistakes = [unknown(key) for key in foreign[:SHOWN_PROBLEMS]]  # advice for each takes milliseconds
     mistakes += [unknown_key(key, (), (*path, key)) for key in foreign[SHOWN_PROBLEMS:]]
     values: dict[str, Any] = {}

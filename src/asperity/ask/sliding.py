@@ -132,11 +132,11 @@ class SteadySliding(Question):
     progress: Progress | Callable[[Any], None] | bool | None = None
 
     def __post_init__(self) -> None:
-        given, law, direction = self.speeds, self.shear_strength, checked_direction(self.direction)
+        given, law = self.speeds, self.shear_strength
+        object.__setattr__(self, "direction", checked_direction(self.direction))
         if law is not None and not isinstance(law, ShearStrength):
             object.__setattr__(self, "shear_strength", ShearStrength(law))  # type: ignore[arg-type]
         super().__post_init__()
-        object.__setattr__(self, "direction", direction)
         checks.one_of('pressure="1 MPa"', load=self.load, pressure=self.pressure)
         if not self.each_speed.size or not (np.diff(self.each_speed, prepend=0) > 0).all():
             expected, got = "speeds above 0 that rise", checks.shown(given)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, cast, get_args
+from typing import Annotated, Any, Literal, Self, cast, get_args
 
 from annotated_types import Gt, Le, Len
 
@@ -80,18 +80,14 @@ class SolidSection(Section):
     )
 
     @property
-    def make(self) -> Callable[..., Solid]:
-        """The function of `asperity.solids` that makes it."""
-        return MAKERS[self.kind]
-
-    @property
     def given(self) -> dict[str, Any]:
         """Arguments of `make`, as far as they are given."""
         return arguments_of(self.make, self) | self.laws
 
     def build(self) -> Solid:
         """Make the solid."""
-        return self.make(**self.given)
+        solid: Solid = self.make(**self.given)
+        return solid
 
     def anywhere(self) -> Self:
         """The same, with an absolute path of its table."""
@@ -181,16 +177,6 @@ class Continuum(SolidSection):
         *((key, _BESIDE.get(key, ("relaxation",))) for key in (*OF_TABLES.values(), "table_modulus")),
     )
 
-    if TYPE_CHECKING:
-        modulus: float | None
-        young: list[float] | float | None
-        poisson: list[float] | float | None
-        branches: list[tuple[float, float]]
-        relaxation: str | None
-        extrapolate: str | None
-        data_first: float | None
-        data_last: float | None
-
     def __init__(self, **table: Any) -> None:
         super().__init__(**self._with_usual(table))
 
@@ -232,15 +218,11 @@ class Continuum(SolidSection):
             raise error.about(key or error.name, "solid", key or "relaxation") from None
 
     @property
-    def relaxation_file(self) -> Path | None:
-        """The file of the relaxation, if there is one."""
-        return None if self.relaxation is None else expanded(self.relaxation)
-
-    @property
     def of_table(self) -> Material | None:
         """The material of the table."""
-        if (path := self.relaxation_file) is None:
+        if self.relaxation is None:
             return None
+        path = expanded(self.relaxation)
         changed = path.stat().st_mtime_ns if path.exists() else 0
         how = {name: getattr(self, key) for name, key in OF_TABLES.items()}
         how |= {"modulus": self.modulus or self.table_modulus, **self._of_one_body}
@@ -329,8 +311,8 @@ def _section_of(kind: str) -> type[SolidSection]:
     if "modulus" in keys and "creep" in keys:  # activation gives a stress in Pa
         keys |= ACTIVATED
     if keys.keys() >= {"young", "branches"}:  # which a table gives
-        return Continuum.of_kind(kind, keys | OF_DATA)
-    return SolidSection.of_kind(kind, keys)
+        return Continuum.of_kind(kind, make, keys | OF_DATA)
+    return SolidSection.of_kind(kind, make, keys)
 
 
 class HalfSpace(_section_of("half_space")):  # type: ignore[misc]

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
 from inspect import signature
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 
-from asperity.ask.section import Section, SectionError, arguments_of, keys_of_maker
+from asperity.ask.section import Section, SectionError, arguments_of
 from asperity.base.files import content_of, expanded, without_links
 from asperity.base.parameters import Quantity
 from asperity.base.words import has_unit
@@ -44,12 +43,7 @@ class SurfaceSection(Section):
     @classmethod
     def _in_numbers(cls, table: dict[str, Any]) -> dict[str, Any]:
         """Lengths with a unit, as numbers in the unit of the surface."""
-        return in_numbers(KINDS[cls.kind], table)
-
-    @property
-    def make(self) -> Callable[..., Any]:
-        """The function of `asperity.surfaces` that makes it."""
-        return KINDS[self.kind]
+        return in_numbers(cls.make, table)
 
     @property
     def lattice(self) -> tuple[int, ...] | None:
@@ -118,7 +112,7 @@ class SurfaceSection(Section):
         return Surface(np.asarray(surface), **around, provenance=origin)
 
 
-class MeasuredSurface(SurfaceSection.of_kind("file", keys_of_maker(KINDS["file"]))):  # type: ignore[misc]
+class MeasuredSurface(SurfaceSection.of_kind("file", KINDS["file"])):  # type: ignore[misc]
     """Heights from a file; see `asperity.surfaces.read`."""
 
     @classmethod
@@ -156,6 +150,6 @@ class MeasuredSurface(SurfaceSection.of_kind("file", keys_of_maker(KINDS["file"]
 
 
 SURFACES: dict[str, type[SurfaceSection]] = {
-    kind: MeasuredSurface if kind == "file" else SurfaceSection.of_kind(kind, keys_of_maker(make))
+    kind: MeasuredSurface if kind == "file" else SurfaceSection.of_kind(kind, make)
     for kind, make in KINDS.items()
 }

@@ -8,7 +8,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from types import FrameType, FunctionType, SimpleNamespace, UnionType
+from types import FrameType, FunctionType, ModuleType, SimpleNamespace, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from asperity.base.words import MEANT, closest, has_unit, reason_of, shortened
@@ -18,9 +18,11 @@ from asperity.errors import AsperityError, CallError, InputError, Remark
 def answered(namespace: dict[str, Any]) -> Callable[[], list[str]]:
     """Let the public functions and classes of a module answer mistaken arguments by a `CallError`.
 
-    Returns the ``__dir__`` of the module: it lists the public names alone.
+    Public are the names of ``__all__``; without it all but private ones, modules and tables. Returns the
+    ``__dir__`` of the module: it lists the public names alone.
     """
-    names: list[str] = namespace["__all__"]
+    stated = (name for name, thing in namespace.items() if not isinstance(thing, ModuleType | dict))
+    names: list[str] = namespace.setdefault("__all__", sorted(name for name in stated if name[0] != "_"))
     for name in names:
         thing = namespace[name]
         if isinstance(thing, FunctionType):  # pickles find it where it was defined

@@ -221,6 +221,21 @@ def times(name: str, value: object, *, at_least: int = 1) -> Floats:
     return array
 
 
+def history(**values: object) -> list[Floats]:
+    """Check times that never decrease, the first of some values, and the others: shape (n,), n at least 1."""
+    arrays = {name: line(name, value) for name, value in values.items()}
+    first, times = next(iter(arrays.items()))
+    for name, array in arrays.items():
+        if array.shape != times.shape or not times.size:
+            expected = f"a number for each of {times.size or 'one or more'} times"
+            raise InputError(name, expected=expected, got=f"shape {array.shape}")
+    if (falls := np.diff(times) < 0).any():
+        at = int(np.argmax(falls))
+        got, advice = f"{times[at]} before {times[at + 1]}", "the same time twice for a jump"
+        raise InputError(first, expected="times that do not decrease", got=got, advice=advice)
+    return list(arrays.values())
+
+
 def heights(name: str, value: object, *, holes: bool = False) -> Floats:
     """Heights over the sites of a lattice, shape (n,) or (n, m), finite: a copy in C order.
 

@@ -283,8 +283,13 @@ class Checked:
 
     needs: ClassVar[Needs] = ()
 
+    @classmethod
+    def checked(cls) -> dict[str, Parameter]:
+        """Parameters by the fields that they check."""
+        return parameters_of(cls)
+
     def __post_init__(self) -> None:
-        for name, parameter in parameters_of(type(self)).items():
+        for name, parameter in self.checked().items():
             value = parameter.read(parameter.quantity.key or name, getattr(self, name))
             is_tuple = isinstance(value, list) and any(get_origin(kind) is tuple for kind in parameter.kinds)
             object.__setattr__(self, name, tuple(value) if is_tuple else value)

@@ -20,7 +20,10 @@ PLAIN = {
 UNKNOWN = "unknown: too few patches"
 """Why a scan has no band."""
 
-MEANT = {"spacing": "pixel_size", "file": "path", "frictionless": "bonded", "E": "young", "nu": "poisson"}
+MEANT = {
+    **{"spacing": "pixel_size", "file": "path", "frictionless": "bonded", "E": "young", "nu": "poisson"},
+    "friction": "friction_coefficient",
+}
 """Arguments and keys that people write, and what to write where there is such a one."""
 
 

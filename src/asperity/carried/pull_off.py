@@ -163,17 +163,13 @@ def _checked(contact: Contact, work: float | str) -> float:
     """Work of adhesion; `InputError` if it, or the solid, is none that can be pulled."""
     solid, lattice = contact.solid, contact.lattice
     if not solid.in_lengths or lattice.dimension == 1:
-        raise InputError(
-            "pull_off",
-            expected="a half-space, a layer or a film under a surface of two dimensions",
-            got="a line contact" if solid.in_lengths else f"a {solid.kind.replace('_', ' ')}",
-            advice="asperity.solids.half_space(modulus=...)",
-        )
+        got = "a line contact" if solid.in_lengths else f"a {solid.kind.replace('_', ' ')}"
+        expected = "a half-space, a layer or a film under a surface of two dimensions"
+        advice = "asperity.solids.half_space(modulus=...)"
+        raise InputError("pull_off", expected=expected, got=got, advice=advice)
     if solid.adhesion is not None:
-        expected = "a solid without adhesion"
-        raise InputError(
-            "pull_off", expected=expected, got="one with adhesion", advice="asperity.pull(contact)"
-        )
+        expected, advice = "a solid without adhesion", "asperity.pull(contact)"
+        raise InputError("pull_off", expected=expected, got="one with adhesion", advice=advice)
     return checks.number("work", units.converted("work", work, "J/m^2", si=contact.si), above=0)
 
 

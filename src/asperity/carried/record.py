@@ -48,9 +48,9 @@ def tangential(compliance: Field, carried: Carried) -> dict[str, float]:
 
 def maps(carried: Carried, contact: Contact) -> dict[str, Mask]:
     """Maps of a contact by name: which sites ``stick``; empty without shear."""
-    if carried.shear is None or carried.friction is None:
+    if carried.shear is None or carried.friction_coefficient is None:
         return {}
-    force, mu = sheared(contact, carried.shear, carried.friction)
+    force, mu = sheared(contact, carried.shear, carried.friction_coefficient)
     if force >= mu * contact.load:  # it slides
         return {"stick": np.zeros(contact.heights.shape, dtype=bool)}
     slip = contact.partial_slip(force, mu, carried.poisson, carried.along or "x")

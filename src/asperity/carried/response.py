@@ -119,12 +119,9 @@ def check_half_space(name: str, solid: Solid, lattice: Lattice) -> float:
     """Contact modulus of a half-space; `InputError` for other solids."""
     if solid.modulus is not None and solid.half_space and lattice.dimension == 2:
         return solid.modulus
-    raise InputError(
-        name,
-        expected="a half-space under a surface of two dimensions",
-        got="a line contact" if lattice.dimension == 1 else f"a {solid.kind.replace('_', ' ')}",
-        advice="asperity.solids.half_space(modulus=...)",
-    )
+    got = "a line contact" if lattice.dimension == 1 else f"a {solid.kind.replace('_', ' ')}"
+    expected, advice = "a half-space under a surface of two dimensions", "half_space(modulus=...)"
+    raise InputError(name, expected=expected, got=got, advice=f"asperity.solids.{advice}")
 
 
 def sheared(contact: Contact, shear: float | str, friction: float) -> tuple[float, float]:

@@ -141,7 +141,7 @@ class RateAndState:
         """Fall of ln theta after each time, shape (n,)."""
         if normal is None or self.alpha == 0:
             return np.zeros(time.size)
-        stress = checks.positive("normal", one_for_each("normal", normal, time))
+        stress = checks.positive("normal", checks.history(time=time, normal=normal)[1])
         if self.b == 0:
             raise InputError("b", expected="a number other than 0 beside alpha", got=self.b)
         return np.append(self.alpha / self.b * np.diff(np.log(stress)), 0.0)
@@ -170,13 +170,7 @@ class RateAndState:
 
 def timetable(time: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats]:
     """Check times, which never fall, and velocities, not below 0."""
-    times = checks.line("time", time)
-    velocities = one_for_each("velocity", velocity, times)
-    falls = np.diff(times) < 0
-    if falls.any():
-        at = int(np.argmax(falls))
-        got = f"{times[at + 1]:g} after {times[at]:g}"
-        raise InputError("time", expected="times that never fall", got=got, advice="sorting the record")
+    times, velocities = checks.history(time=time, velocity=velocity)
     if (velocities < 0).any():
         raise InputError(
             "velocity",
@@ -185,14 +179,6 @@ def timetable(time: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats]:
             advice="cutting the record at the reversal, or smoothing a noisy displacement",
         )
     return times, velocities
-
-
-def one_for_each(name: str, values: ArrayLike, times: Floats) -> Floats:
-    """Check numbers that belong to times, of which there is at least one."""
-    array = checks.line(name, values)
-    if array.size != times.size or not times.size:
-        raise InputError(name, expected=f"one for each of the {times.size} times", got=array.size)
-    return array
 
 
 def first_velocity(velocity: Floats) -> float:

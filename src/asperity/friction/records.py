@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.base import checks, units, views
 from asperity.base.checks import Floats
 from asperity.errors import InputError
-from asperity.friction.laws import one_for_each, timetable
+from asperity.friction.laws import timetable
 from asperity.friction.loading import STEP, Drive, drive_of, drive_of_slip
 from asperity.friction.normal_stress import changes
 
@@ -90,7 +90,7 @@ class Record(views.Brief):
         time, velocity = timetable(self.time, self.velocity)
         numbers = {"time": time, "velocity": velocity}
         for name in ("friction", *["normal"] * (self.normal is not None)):
-            numbers[name] = checks.positive(name, one_for_each(name, getattr(self, name), time))
+            numbers[name] = checks.positive(name, checks.history(time=time, **{name: getattr(self, name)})[1])
         for name, values in numbers.items():
             object.__setattr__(self, name, values)
         if not self.si:
@@ -164,7 +164,7 @@ class Record(views.Brief):
             got = f"{times.size} times, {values.size} friction coefficients"
             got += "".join(f", {place.size} of {kind}" for kind, place in places.items())
             raise InputError(name, expected="three displacements or more, one for each", got=got)
-        timetable(times, np.zeros_like(times))
+        checks.history(time=times)
         if name == "slip":
             normal = about.get("normal")
             force = values if normal is None else values * normal

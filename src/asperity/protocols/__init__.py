@@ -11,9 +11,14 @@ texts: ``Hold("10 min")``, ``Step(load="2 N")``, ``Slide("20 um", velocity="1 um
 """
 
 from asperity.base.calls import answered as _answered
-from asperity.protocols.histories import MeasuredHistory, measured
+from asperity.protocols.histories import MeasuredHistory as MeasuredHistory
+from asperity.protocols.histories import measured as measured
 from asperity.protocols.legs import KINDS as KINDS
-from asperity.protocols.legs import Hold, Leg, Ramp, Repeat, Slide, Step
+from asperity.protocols.legs import Hold as Hold
+from asperity.protocols.legs import Leg as Leg
+from asperity.protocols.legs import Ramp as Ramp
+from asperity.protocols.legs import Repeat as Repeat
+from asperity.protocols.legs import Slide as Slide
+from asperity.protocols.legs import Step as Step
 
-__all__ = ["Hold", "Leg", "MeasuredHistory", "Ramp", "Repeat", "Slide", "Step", "measured"]
 __dir__ = _answered(globals())

@@ -82,9 +82,9 @@ def measured(
     InputError
         The table cannot be read, times fall back, or it is not clear what is prescribed or presses.
     """
-    keys = {"compression": compression, "within": within}
-    for name, value in keys.items():
-        keys[name] = parameters_of(measured)[name].read(name, value)
+    read_by = parameters_of(measured)
+    compression = read_by["compression"].read("compression", compression)
+    within = read_by["within"].read("within", within)
     table = _table_of(file) if hasattr(file, "keys") else file
     read = Columns(table, _ROLES, columns, units)
     places, bare = read.by_role, isinstance(table, Table)
@@ -109,7 +109,7 @@ def measured(
     values = sign * (values - values[0] if target == "approach" else values) + 0.0
     new = np.diff(times, prepend=-math.inf) + np.abs(np.diff(values, prepend=math.inf)) > 0
     times, values = times[new], values[new]
-    corners = _corners(times, values, float(keys["within"] or 0.0))
+    corners = _corners(times, values, within or 0.0)
     history = MeasuredHistory(_legs_between(target, times[corners], values[corners]))
     pressed_by = target if values[0] else target.replace("pressure", "load")  # both touch only
     history.start = {} if target == "approach" else {pressed_by: float(values[0])}

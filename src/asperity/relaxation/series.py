@@ -137,12 +137,7 @@ class PronySeries:
         E. H. Lee, J. R. M. Radok, J. Appl. Mech. 27, 438 (1960).
         T. C. T. Ting, J. Appl. Mech. 33, 845 (1966).
         """
-        t, F = checks.line("times", times), checks.line("loads", loads)
-        if t.shape != F.shape or not t.size:
-            raise InputError("loads", expected=f"a load for each of {t.size} times", got=f"{F.size} loads")
-        if (falls := np.diff(t) < 0).any():
-            at = int(np.argmax(falls))
-            raise InputError("times", expected="times that do not fall", got=f"{t[at]} before {t[at + 1]}")
+        t, F = checks.history(times=times, loads=loads)
         strengths, retardation_times, fluidity = self.retardation
         delayed, impulse = np.zeros_like(strengths), 0.0  # y_k: theta_k dy_k/dt = F - y_k; and integral F dt
         effective = F.copy()

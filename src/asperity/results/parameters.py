@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from asperity.ask.questions import QUESTIONS
 from asperity.ask.run import ORDER
 from asperity.ask.section import KINDS as SECTIONS
+from asperity.ask.section import keys_of_maker
 from asperity.base.parameters import parameters_of
 from asperity.creep import Eyring
 from asperity.protocols.legs import KINDS
@@ -24,7 +25,9 @@ _BRANCHES = {
 _LAWS = {"creep": ("local law of creep", ""), "adhesion": ("law of adhesion", "")}
 _OF_A_LAW = {"m/s": "velocity", "Pa": "stress", "m": "length", "J/m^2": "energy / area"}
 PARAMETERS: dict[str, tuple[str, str]] = {
-    **{name: own.recorded for question in QUESTIONS.values() for name, own in question.own().items()},
+    **{
+        name: own.recorded for question in QUESTIONS.values() for name, own in keys_of_maker(question).items()
+    },
     **{
         name: parameter.recorded
         for home in ORDER

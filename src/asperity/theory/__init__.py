@@ -13,73 +13,40 @@ do not broadcast. x1 is k1/k0, x2 the reduced time k0 R t, viscous R_tilde/R, di
 """
 
 from asperity.base.calls import answered as _answered
-from asperity.theory.asymptotes import (
-    LATE_INTERCEPT,
-    LATE_SLOPE,
-    compliance_asymptote,
-    compliance_asymptote_paper,
-    late_slope,
-    late_slope_paper,
-)
-from asperity.theory.continua import Hertz, hertz, persson_area, westergaard_area
-from asperity.theory.dilute import (
-    contacts_at_start,
-    contacts_at_start_paper,
-    dilute_area,
-    dilute_horizon,
-    exponential_growth,
-    exponential_growth_paper,
-    winkler_area,
-)
-from asperity.theory.dip import displacement
-from asperity.theory.heights import EmpiricalHeights, ExponentialHeights, GaussianHeights, HeightLaw
-from asperity.theory.indentation import compliance, compliance_rate, site_stiffness, torus_compliance
-from asperity.theory.indenters import ting
-from asperity.theory.limits import (
-    flowing_area,
-    full_contact_load,
-    full_contact_load_relaxed,
-    static_friction,
-)
-from asperity.theory.memory import response, response_rate
-from asperity.theory.panels import Dispersion
-from asperity.theory.population import dilute_history
+from asperity.theory.asymptotes import LATE_INTERCEPT as LATE_INTERCEPT
+from asperity.theory.asymptotes import LATE_SLOPE as LATE_SLOPE
+from asperity.theory.asymptotes import compliance_asymptote as compliance_asymptote
+from asperity.theory.asymptotes import compliance_asymptote_paper as compliance_asymptote_paper
+from asperity.theory.asymptotes import late_slope as late_slope
+from asperity.theory.asymptotes import late_slope_paper as late_slope_paper
+from asperity.theory.continua import Hertz as Hertz
+from asperity.theory.continua import hertz as hertz
+from asperity.theory.continua import persson_area as persson_area
+from asperity.theory.continua import westergaard_area as westergaard_area
+from asperity.theory.dilute import contacts_at_start as contacts_at_start
+from asperity.theory.dilute import contacts_at_start_paper as contacts_at_start_paper
+from asperity.theory.dilute import dilute_area as dilute_area
+from asperity.theory.dilute import dilute_horizon as dilute_horizon
+from asperity.theory.dilute import exponential_growth as exponential_growth
+from asperity.theory.dilute import exponential_growth_paper as exponential_growth_paper
+from asperity.theory.dilute import winkler_area as winkler_area
+from asperity.theory.dip import displacement as displacement
+from asperity.theory.heights import EmpiricalHeights as EmpiricalHeights
+from asperity.theory.heights import ExponentialHeights as ExponentialHeights
+from asperity.theory.heights import GaussianHeights as GaussianHeights
+from asperity.theory.heights import HeightLaw as HeightLaw
+from asperity.theory.indentation import compliance as compliance
+from asperity.theory.indentation import compliance_rate as compliance_rate
+from asperity.theory.indentation import site_stiffness as site_stiffness
+from asperity.theory.indentation import torus_compliance as torus_compliance
+from asperity.theory.indenters import ting as ting
+from asperity.theory.limits import flowing_area as flowing_area
+from asperity.theory.limits import full_contact_load as full_contact_load
+from asperity.theory.limits import full_contact_load_relaxed as full_contact_load_relaxed
+from asperity.theory.limits import static_friction as static_friction
+from asperity.theory.memory import response as response
+from asperity.theory.memory import response_rate as response_rate
+from asperity.theory.panels import Dispersion as Dispersion
+from asperity.theory.population import dilute_history as dilute_history
 
-__all__ = [
-    "LATE_INTERCEPT",
-    "LATE_SLOPE",
-    "Dispersion",
-    "EmpiricalHeights",
-    "ExponentialHeights",
-    "GaussianHeights",
-    "HeightLaw",
-    "Hertz",
-    "compliance",
-    "compliance_asymptote",
-    "compliance_asymptote_paper",
-    "compliance_rate",
-    "contacts_at_start",
-    "contacts_at_start_paper",
-    "dilute_area",
-    "dilute_history",
-    "dilute_horizon",
-    "displacement",
-    "exponential_growth",
-    "exponential_growth_paper",
-    "flowing_area",
-    "full_contact_load",
-    "full_contact_load_relaxed",
-    "hertz",
-    "late_slope",
-    "late_slope_paper",
-    "persson_area",
-    "response",
-    "response_rate",
-    "site_stiffness",
-    "static_friction",
-    "ting",
-    "torus_compliance",
-    "westergaard_area",
-    "winkler_area",
-]
 __dir__ = _answered(globals())

@@ -33,7 +33,6 @@ from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.base.units import number
 from asperity.errors import InputError
-from asperity.theory.memory import history
 
 Shape = Literal["ball", "cone", "punch"]
 SHAPES = get_args(Shape)
@@ -128,7 +127,7 @@ def ting(
     ----------
     See `asperity.theory.indenters`.
     """
-    t, d = history(time=time, depth=depth)
+    t, d = checks.history(time=time, depth=depth)
     last = _last_approach(t, d, retraction)
     shape = tip_of(tip, radius, angle)
     times = np.array([time for _, time in series.branches])

@@ -22,7 +22,6 @@ from scipy.special import exprel, hyp1f1
 
 from asperity.base import checks
 from asperity.base.checks import Floats
-from asperity.errors import InputError
 from asperity.theory.modes import ROUNDING, decay, log_scale, zone_nodes
 
 
@@ -65,21 +64,6 @@ def response_rate(
     """
     _, rate, slope, at_once = _march(x2, force, x1, viscous, dimension)
     return rate + slope * at_once if instantaneous else rate
-
-
-def history(**values: ArrayLike) -> list[Floats]:
-    """Check times that never decrease, the first of some values, and the others: shape (n,), n at least 1."""
-    arrays = {name: checks.line(name, value) for name, value in values.items()}
-    first, times = next(iter(arrays.items()))
-    for name, array in arrays.items():
-        if array.shape != times.shape or not times.size:
-            expected = f"a number for each of {times.size or 'one or more'} times"
-            raise InputError(name, expected=expected, got=f"shape {array.shape}")
-    if (falls := np.diff(times) < 0).any():
-        at = int(np.argmax(falls))
-        got, advice = f"{times[at]} before {times[at + 1]}", "the same time twice for a jump"
-        raise InputError(first, expected="times that do not decrease", got=got, advice=advice)
-    return list(arrays.values())
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +120,7 @@ def _march(
     x2: ArrayLike, force: ArrayLike, x1: float, viscous: float, dimension: int
 ) -> tuple[Floats, Floats, Floats, float]:
     """Depth, delayed speed and slope of the force at every time, and G(0)."""
-    times, forces = history(x2=x2, force=force)
+    times, forces = checks.history(x2=x2, force=force)
     memory = site_memory(
         checks.number("x1", x1, above=0),
         float(times[-1] - times[0]),

@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike
 from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.theory.heights import HeightLaw
-from asperity.theory.memory import SiteMemory, history, response, site_memory
+from asperity.theory.memory import SiteMemory, response, site_memory
 
 # The accuracy that these give was measured: see `dilute_history`.
 _ERROR = 1e-6  # of the sum over modes
@@ -75,7 +75,7 @@ def dilute_history(
     plane and 1e-3 on the line, over 60 cases (steps, ramps and cycles of the load, with and without R_tilde,
     k1/k0 from 0.05 to 100). It takes tenths of a second, and seconds for a hundred changes of slope.
     """
-    times, loads = history(x2=x2, load_per_site=checks.not_negative("load_per_site", load_per_site))
+    times, loads = checks.history(x2=x2, load_per_site=checks.not_negative("load_per_site", load_per_site))
     lateral, x1 = checks.number("k0", k0, above=0), checks.number("x1", x1, above=0)
     viscous, dimension = checks.number("viscous", viscous, least=0), checks.line_or_plane(dimension)
     compression = response(times, loads, x1, viscous, dimension) / lateral

@@ -24,7 +24,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from asperity.app.config import RunConfig, config_from, from_tables, read_tables, to_tables
+from asperity.app.config import RunConfig, config_from, read_tables, to_tables
 from asperity.app.config.mistakes import Sections
 from asperity.app.config.reading import question_of
 from asperity.ask.question import Question
@@ -217,7 +217,7 @@ def load_plan(directory: str | Path) -> Plan:
             # The runs of one point differ by their seed only, and checking is what takes the time.
             point = tuple(place)
             if point not in configs:
-                configs[point] = from_tables(tables)
+                configs[point] = RunConfig.read(tables)
             config = configs[point] if seed is None else seeded(configs[point], seed)
             runs.append(Run(identity, point, seed, config, content))
         plan = Plan(axes, tuple(facts["seeds"]), facts["zipped"], tuple(runs))

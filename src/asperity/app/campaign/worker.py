@@ -9,7 +9,7 @@ from typing import Literal
 
 from asperity.app.campaign.plan import content_of
 from asperity.app.campaign.store import Store
-from asperity.app.config import RunConfig, from_tables
+from asperity.app.config import RunConfig
 from asperity.app.runs import Progress, answer
 from asperity.base.version import __version__
 from asperity.errors import AsperityError, CheckpointError, InputError, OutputError
@@ -41,7 +41,7 @@ def run_task(
             if not mine:
                 return identity, "busy", ""
             if not store.is_done(identity):
-                _compute(store, identity, from_tables(json.loads(config)), content)
+                _compute(store, identity, RunConfig.read(json.loads(config)), content)
             return identity, "done", ""
     except OutputError as error:
         return identity, "disk", str(error)

@@ -33,7 +33,7 @@ from asperity.app.cli import (
     sweep,
 )
 from asperity.app.cli.command import app, command
-from asperity.app.cli.flags import in_flags
+from asperity.app.cli.flags import naming
 from asperity.app.cli.terminal import complain, make_streams_safe, silence_output, widen
 from asperity.base.calls import outside
 from asperity.base.files import command_running
@@ -86,9 +86,13 @@ def answer(arguments: list[str]) -> int:
 def _run(arguments: list[str]) -> int:
     try:
         try:
-            app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
-        except InputError as error:
-            raise in_flags(error, _flags_of(arguments)) from error
+            if arguments[:1] and arguments[0] in app and arguments[1:] == ["--help"]:
+                app.help_print(arguments[:1])  # at once: to parse it would find all flags of a command twice
+            else:
+                app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
+        except InputError:
+            with naming(**_flags_of(arguments)):
+                raise
         sys.stdout.flush()
     except CycloptsError as error:
         return complain(2, _usage(error))

@@ -11,11 +11,14 @@ names stay.
 
 from __future__ import annotations
 
+import inspect
+import sys
 from collections.abc import Callable
 from typing import ParamSpec
 
 from cyclopts import App
 
+from asperity.app.cli.flags import flags_for
 from asperity.app.cli.options import paragraphs
 from asperity.base.version import __version__
 
@@ -39,8 +42,17 @@ def command(
 
     def add(command: Callable[_P, None]) -> Callable[_P, None]:
         command.__doc__ = paragraphs(command.__doc__ or "")
-        of.command(command, name=name)
-        if sections:  # words, which are read when the command is used
+        usage = None
+        if sections:
+            place = next(iter(inspect.signature(command).parameters.values()))
+            words = f"[{place.name}]" if place.default is None else place.name
+            # The library would find all flags once more to say this.
+            usage = f"Usage: asperity {command.__name__} [OPTIONS] {words.upper()}"
+        of.command(command, name=name, usage=usage)
+        if (
+            sections
+        ):  # words, which are read when the command is used: only after it was added, which reads all
+            vars(sys.modules[command.__module__])["flags_for"] = flags_for
             command.__annotations__["keys"] = f"flags_for{sections} | None"
         return command
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import hashlib
 import os
 import sys
@@ -16,9 +15,6 @@ from typing import Any
 import xarray as xr
 
 from asperity.app.cli.options import Results
-from asperity.app.config import RunConfig, to_toml
-from asperity.app.config.mistakes import Door
-from asperity.app.runs import answer
 from asperity.base.calls import remarks_made, showing
 from asperity.base.files import MARKER, Standing, beside, mark, marker_of
 from asperity.base.rows import Row, aligned, remarks, words_of
@@ -29,28 +25,6 @@ from asperity.results.store import PlaceTakenError, whole_folder, write_into
 
 _SHOWN = ("prediction.html", "inference.html", "aging", "history", "contacts", "friction", "law", "sliding")
 """Files of results that ``--open`` shows, the first that exists: a page, or a picture in any format."""
-
-
-_CHECKPOINT_EVERY = 20.0
-"""Seconds between checkpoints: shorter computations leave none."""
-
-
-def answer_into(
-    out: Path, door: Door, config: RunConfig, results: Results, replaceable: Standing, **how: Any
-) -> None:
-    """Answer the question of a configuration in a folder; `how` are facts for what it writes."""
-    with door.answering(config):
-        compute_into(
-            config.asked or "run",
-            out,
-            to_toml(config),
-            functools.partial(answer, config),
-            rows=lambda outcome: outcome.rows(),
-            write=lambda outcome, folder: outcome.write(folder, **how),
-            every=_CHECKPOINT_EVERY,
-            results=results,
-            replaceable=replaceable,
-        )
 
 
 def compute_into(

@@ -13,10 +13,8 @@ from cyclopts import Parameter
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import Out, Switch
 from asperity.app.cli.new_files import check_figures, check_new_file
-from asperity.app.cli.options import CurveColumns, Drawn, Reading
+from asperity.app.cli.options import COLUMNS, DRAWN, READING, CurveColumns, Drawn, Reading
 from asperity.errors import InputError
-
-_DRAWN, _READING, _COLUMNS = Drawn(), Reading(), CurveColumns()
 
 
 @command()
@@ -29,9 +27,9 @@ def fit(
     json: Path | None = None,
     overwrite: Switch = False,
     window: Annotated[tuple[float, float] | None, Parameter(negative=())] = None,
-    reading: Reading = _READING,
-    drawn: Drawn = _DRAWN,
-    columns: CurveColumns = _COLUMNS,
+    reading: Reading = READING,
+    drawn: Drawn = DRAWN,
+    columns: CurveColumns = COLUMNS,
     quantity: str | None = None,
     unit_time: str | None = None,
 ) -> None:
@@ -72,12 +70,13 @@ def fit(
     data = read_measurements(file, None, **columns.chosen(), **vars(reading))
     from asperity.app.cli.output import write_figures  # takes a second: mistakes are reported before
     from asperity.app.cli.reports.fit import write_numbers
+    from asperity.app.config.mistakes import Door
     from asperity.base.rows import Row, aligned, words_of
     from asperity.figures import fit_figure
 
     unit = unit_time or data.time_unit
     named = quantity or data.value_name or "value"
-    try:
+    with Door({}, file).answering():  # what computes does not know where the numbers came from
         growth = measured_growth(
             data.time,
             data.value,
@@ -87,9 +86,6 @@ def fit(
             last=last,
             name=data.value_name or "value",
         )
-    except InputError as error:
-        error.args = (f"{file}: {error}",)  # what computes does not know where the numbers came from
-        raise
     growth = dataclasses.replace(growth, notes=(*data.remarks, *growth.notes))
     label = quantity or f"{named}  [unit of the table]"
     written = []

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from cyclopts import Group, Parameter, Token
 
 from asperity.base.words import number, numbers
-from asperity.errors import InputError, Value, brief
+from asperity.errors import InputError
 
 if TYPE_CHECKING:
     from asperity.app.config.keys import Key
@@ -71,9 +71,14 @@ def flags_for(*sections: str) -> type[Flags]:
 
 
 def given(
-    flags: Flags | None, *, surface: Path | None = None, leg: Sequence[str] | None = None, units: bool = False
+    flags: Flags | None,
+    *,
+    surface: Path | None = None,
+    leg: Sequence[str] | None = None,
+    figures: Sequence[str] | None = None,
+    units: bool = False,
 ) -> dict[str, dict[str, object]]:
-    """Gather flags by section and key, with --surface and --leg; with `units`, quantities need theirs."""
+    """Gather flags by section and key, with those of commands; with `units`, quantities need theirs."""
     from asperity.app.config.legs import legs_from_words
     from asperity.app.config.mistakes import flag_of
 
@@ -91,6 +96,8 @@ def given(
         sections["surface"]["kind"], surface = "file", Path(kind)
     if surface is not None:
         sections.setdefault("surface", {})["path"] = str(surface)
+    if figures is not None:
+        sections["output"] = {"figures": figures}
     if leg:
         if "protocol" in sections:
             raise InputError("--history", expected="none beside --leg", got="both")
@@ -124,40 +131,13 @@ def file_of_run(material: Path | None, flags: dict[str, dict[str, object]]) -> P
     return None
 
 
-def check_load(flags: Mapping[str, Mapping[str, object]]) -> None:
-    """Refuse no load and two."""
-    if len(contact := flags.get("contact", {})) != 1:
-        got = "both" if contact else "neither"
-        raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")
-
-
-def flag(name: str) -> str:
-    """The flag of an argument of this name."""
-    return f"--{name.replace('_', '-')}"
-
-
-def in_flags(error: InputError, flags: Mapping[str, str]) -> InputError:
-    """The error with names of arguments replaced by their flags, also in its advice."""
-    from asperity.app.config.mistakes import assigned, flag_in
-
-    def spell(name: str) -> str:
-        return flags.get(name, name)
-
-    def assign(name: str, value: Value) -> str:
-        known = flags.get(name) or flag_in("", name)
-        return assigned(known, value) if known else f"{name}={value!r}"
-
-    name = spell(error.name)
-    return error.retold(name, error.told(brief(name), spell, assign))
-
-
 @contextmanager
 def naming(**names: str) -> Iterator[None]:
     """Give arguments of the library other names in errors: those of the command, or of columns of a file."""
-    try:
+    from asperity.app.config.mistakes import Door
+
+    with Door({}, names={("", name): shown for name, shown in names.items()}).answering():
         yield
-    except InputError as error:
-        raise in_flags(error, names) from error
 
 
 def check_unit(flag: str, value: object, *units: str) -> None:
@@ -257,7 +237,7 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     for section, model, names in (
         ("surface", MeasuredSurface, MeasuredSurface.keys.keys() - {"path", "unit"}),
         ("solid", HalfSpace, of_solid),
-        *((section, KINDS[section][""], question.keys().keys()) for section in question.sections),
+        *((section, KINDS[section][""], question.checked().keys()) for section in question.sections),
         ("carried", Carried, Carried.keys.keys()),
         ("output", Output, Output.keys.keys() - {"maps_at"}),
     ):

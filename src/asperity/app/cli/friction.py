@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Folder, Switch, naming
+from asperity.app.cli.flags import Folder, Switch
 from asperity.app.cli.new_files import check_free
-from asperity.app.cli.options import Drawn, Reading, Results
+from asperity.app.cli.options import DRAWN, READING, RESULTS, Drawn, Reading, Results
 from asperity.base.files import kind_of
 from asperity.base.words import number
 from asperity.errors import InputError
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from asperity.figures.style import Drawing
     from asperity.friction import Record
 
-_RESULTS, _READING, _DRAWN = Results(), Reading(), Drawn()
-
 
 @command()
 def friction(
@@ -37,15 +35,15 @@ def friction(
     stiffness: str | None = None,
     start: Annotated[str | None, Parameter(name="--from")] = None,
     stop: Annotated[str | None, Parameter(name="--to")] = None,
-    reference_velocity: str | None = None,
+    V_0: Annotated[str | None, Parameter(name="--reference-velocity")] = None,
     events: Literal["all", "holds", "steps"] = "all",
     shear_strength: str | None = None,
-    reading: Reading = _READING,
+    reading: Reading = READING,
     calibration: Path | None = None,
     strength_at_rest: Switch = False,
     out: Folder = Path("friction"),
-    results: Results = _RESULTS,
-    drawn: Drawn = _DRAWN,
+    results: Results = RESULTS,
+    drawn: Drawn = DRAWN,
 ) -> None:
     """Fit rate-and-state friction to records of sliding with holds or velocity steps.
 
@@ -72,7 +70,7 @@ def friction(
         First time to read, such as 3845s; a number alone has the unit of the table.
     stop
         Last time to read.
-    reference_velocity
+    V_0
         Velocity V_0 of the steady friction mu_0, such as "1 um/s". [default: the first of the record]
     events
         What to fit: all, the holds, or the velocity steps.
@@ -86,13 +84,12 @@ def friction(
     how: dict[str, Any] = {**vars(reading), "strength_at_rest": strength_at_rest}
     how |= {"start": start, "stop": stop, "calibration": calibration}
     strength, reference = (
-        None if word is None else cast(float | str, number(word))
-        for word in (shear_strength, reference_velocity)
+        None if word is None else cast(float | str, number(word)) for word in (shear_strength, V_0)
     )
     several = [record for path in records for record in _records_at(path, strength, **how)]
     if several[0].si and isinstance(reference, float | int):
         expected, got = "a velocity with its unit, such as 1um/s", f"{reference:g}"
-        raise InputError("reference_velocity", expected=expected, got=got)
+        raise InputError("V_0", expected=expected, got=got)
     replaceable = check_free(out, overwrite=results.overwrite)
     # Late: mistakes are reported before the engine is imported.
     from asperity.app.cli.computing import tell_results, write_results
@@ -109,8 +106,7 @@ def friction(
     )
     from asperity.friction.rows import rows_of_events
 
-    with naming(V_0="--reference-velocity"):
-        comparison = compare_state_laws(several, a=a, V_0=reference, events=events, stiffness=stiffness)
+    comparison = compare_state_laws(several, a=a, V_0=reference, events=events, stiffness=stiffness)
     fit, fits = comparison.fits[comparison.preferred], None
     if isinstance(fit, MachineFit) and len(events_of(comparison.record)) > 1:
         k = f"{fit.stiffness:.12g} 1/m" if comparison.record.si else fit.stiffness

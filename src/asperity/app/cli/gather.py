@@ -8,17 +8,16 @@ from pathlib import Path
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import Switch
-from asperity.app.cli.options import Drawn
+from asperity.app.cli.options import DRAWN, Drawn
 from asperity.app.cli.status import check_campaign
 from asperity.errors import InputError
 
-_DRAWN = Drawn()
 _BARE = ("sites", "seconds")
 """Columns whose names are their units."""
 
 
 @command()
-def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False, drawn: Drawn = _DRAWN) -> None:
+def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False, drawn: Drawn = DRAWN) -> None:
     """Gather a campaign into one Dataset with ensemble means, a table of its runs, and a figure.
 
     Parameters

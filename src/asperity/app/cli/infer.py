@@ -13,15 +13,23 @@ from typing import TYPE_CHECKING, Any, Literal
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import Folder, check_unit, naming
 from asperity.app.cli.new_files import check_free
-from asperity.app.cli.options import CurveColumns, Drawn, Indenter, Reading, Results
+from asperity.app.cli.options import (
+    COLUMNS,
+    DRAWN,
+    INDENTER,
+    READING,
+    RESULTS,
+    CurveColumns,
+    Drawn,
+    Indenter,
+    Reading,
+    Results,
+)
 from asperity.base.words import number
 from asperity.errors import InputError, printable
 
 if TYPE_CHECKING:
     from asperity.fits import Measurements
-
-_RESULTS, _READING, _DRAWN, _COLUMNS = Results(), Reading(), Drawn(), CurveColumns()
-_INDENTER = Indenter()
 
 
 @command()
@@ -36,19 +44,19 @@ def infer(
     branches: int | None = None,
     priors: Path | None = None,
     error: float | str | None = None,
-    reading: Reading = _READING,
-    columns: CurveColumns = _COLUMNS,
+    reading: Reading = READING,
+    columns: CurveColumns = COLUMNS,
     unit_time: str | None = None,
     unit_area: str | None = None,
     ramp: str | None = None,
-    indenter: Indenter = _INDENTER,
+    indenter: Indenter = INDENTER,
     sample: bool = False,
     seed: int = 0,
     walkers: int = 1000,
     workers: int | None = None,
     out: Folder = Path("inference"),
-    results: Results = _RESULTS,
-    drawn: Drawn = _DRAWN,
+    results: Results = RESULTS,
+    drawn: Drawn = DRAWN,
 ) -> None:
     """Infer which parameters of a model a measured curve of contact area or friction determines.
 
@@ -112,7 +120,11 @@ def infer(
         facts = {"--error": error, "--quantity": quantity, "--ramp": ramp}
         data = _indentation(file, vars(reading), indenter, of_curves | facts)
     elif model == "healing" and _is_sliding(file):
-        data = _sliding(file, vars(reading), error, of_curves)
+        from asperity.friction import read_record
+
+        _check_no(of_curves)
+        record = read_record(file, **vars(reading))
+        data = _Data((record, None, error), record.read)
     else:
         data = _curve(file, chosen, vars(reading), (unit_time, unit_area), error, model, quantity)
     replaceable = check_free(out, overwrite=results.overwrite)
@@ -139,7 +151,7 @@ def infer(
 
     def compute(progress: Progress, checkpoint: Checkpoint) -> Inference:
         places = {name: f"{file}: {name}" for name in ("time", *QUANTITIES)}
-        with naming(**places, absolute="--unit-area", error="--error"):
+        with naming(**places, absolute="--unit-area"):
             inference = inferred(*data.arrays, **how, progress=progress, checkpoint=checkpoint)
         return replace(inference, remarks=(*data.remarks, *inference.remarks), unit=data.unit)
 
@@ -173,23 +185,6 @@ def _is_sliding(file: Path) -> bool:
     from asperity.sheets.columns import Columns
 
     return bool({"load point", "velocity", "displacement"} & {*Columns(file, ROLES).roles})
-
-
-def _is_indentation(file: Path) -> bool:
-    from asperity.inference.indenting import is_record
-
-    return is_record(file)
-
-
-def _sliding(
-    file: Path, reading: dict[str, Any], error: float | str | None, of_curves: Mapping[str, object]
-) -> _Data:
-    """The record of a slide-hold-slide test."""
-    from asperity.friction import read_record
-
-    _check_no(of_curves)
-    record = read_record(file, **reading)
-    return _Data((record, None, error), record.read)
 
 
 def _indentation(
@@ -264,9 +259,10 @@ def _curve(
 def _measurements(file: Path, how: dict[str, Any], model: str, quantity: str | None) -> Measurements:
     """Read the values of a model; `InputError` with another model for the values that there are."""
     from asperity.fits import read_measurements
+    from asperity.inference.indenting import is_record
 
     asked = {name: how[name] for name in ("columns", "time", "value")}
-    if model == "ball" and not any(asked.values()) and _is_indentation(file):
+    if model == "ball" and not any(asked.values()) and is_record(file):
         expected = "the radius of the ball, for a record of depth and force"
         advice = "--columns TIME DEPTH, for depths under a constant load"
         raise InputError("--radius", expected=expected, got="none", cure={"radius": "10um"}, advice=advice)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
+from asperity.app.cli.asking import answer_into
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import (
     Flags,
@@ -14,18 +15,14 @@ from asperity.app.cli.flags import (
     Switch,
     check_unit,
     file_of_run,
-    flag,
-    flags_for,
     given,
 )
-from asperity.app.cli.new_files import check_free
-from asperity.app.cli.options import Drawn, Results
+from asperity.app.cli.options import DRAWN, RESULTS, Drawn, Results
 from asperity.base.words import number
 from asperity.errors import InputError
 
-__all__ = ["flags_for", "law"]  # the annotation that `command` writes names flags_for
-
-_DRAWN, _RESULTS = Drawn(), Results()
+if TYPE_CHECKING:
+    from asperity.app.config import RunConfig
 
 
 @command("law", "preparation", "solid", "carried")
@@ -40,8 +37,8 @@ def law(
     age: Annotated[str | None, Parameter(metavar="QUANTITY")] = None,
     millimeters: Switch = False,
     out: Folder = Path("law"),
-    results: Results = _RESULTS,
-    drawn: Drawn = _DRAWN,
+    results: Results = RESULTS,
+    drawn: Drawn = DRAWN,
     keys: Flags | None = None,
 ) -> None:
     """Tabulate approach, stiffness and conductance of a contact against pressure, for other programs.
@@ -63,26 +60,21 @@ def law(
     millimeters
         Write these files in N, mm, s, MPa in place of SI.
     """
-    flags = given(keys, surface=surface, units=True)
+    flags = given(keys, surface=surface, figures=drawn.figures, units=True)
     if age is not None:
         check_unit("--age", number(age), "s")
-    file = file_of_run(material, flags)
-    if drawn.figures is not None:
-        flags["output"] = {"figures": drawn.figures}
     from asperity.app.config.mistakes import Door
-    from asperity.app.config.reading import config_at
 
-    door = Door(flags, file)
-    settings = config_at(door, question="law")
-    if write:
-        from asperity.contact_law.programs import place_of
+    door = Door(flags, file_of_run(material, flags))
 
-        place_of(age, settings.aging.times or [0.0])
-    elif asked := [name for name, value in (("age", age), ("millimeters", millimeters)) if value]:
-        expected = "--write beside it: it is for files of other programs"
-        raise InputError(flag(asked[0]), expected=expected, got="none", advice="--write calculix")
-    replaceable = check_free(out, overwrite=results.overwrite)
-    from asperity.app.cli.computing import answer_into  # takes a second: mistakes are reported before
+    def check(config: RunConfig) -> None:
+        if write:
+            from asperity.contact_law.programs import place_of
+
+            place_of(age, config.aging.times or [0.0])
+        elif asked := [name for name, value in (("age", age), ("millimeters", millimeters)) if value]:
+            expected = "--write beside it: it is for files of other programs"
+            raise InputError(f"--{asked[0]}", expected=expected, got="none", advice="--write calculix")
 
     of_programs = {"programs": write, "age": age, "millimeters": millimeters}
-    answer_into(out, door, settings, results, replaceable, **of_programs)
+    answer_into(out, door, results, "law", check, **of_programs)

@@ -190,3 +190,8 @@ class Work:
         """Refuse fewer than one worker with `InputError`."""
         if self.workers is not None and self.workers < 1:
             raise InputError("--workers", expected="1 or more", got=self.workers)
+
+
+RESULTS, DRAWN, READING = Results(), Drawn(), Reading()
+COLUMNS, INDENTER, WORK = CurveColumns(), Indenter(), Work()
+"""What commands take where no flag is typed."""

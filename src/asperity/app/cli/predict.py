@@ -5,29 +5,15 @@ from __future__ import annotations
 import shlex
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import Annotated, Any, cast
 
 from cyclopts import Parameter
 
+from asperity.app.cli.asking import answer_into
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import (
-    Flags,
-    Folder,
-    check_load,
-    file_of_run,
-    flags_for,
-    given,
-)
-from asperity.app.cli.new_files import check_free
-from asperity.app.cli.options import Results
+from asperity.app.cli.flags import Flags, Folder, file_of_run, given
+from asperity.app.cli.options import RESULTS, Results
 from asperity.errors import InputError, printable
-
-if TYPE_CHECKING:
-    from asperity.app.config.mistakes import Door
-
-__all__ = ["flags_for", "predict"]  # the annotation that `command` writes names flags_for
-
-_RESULTS = Results()
 
 
 @command("prediction", "protocol")
@@ -38,7 +24,7 @@ def predict(
     surface: Path | None = None,
     leg: Annotated[list[str] | None, Parameter(negative=(), show_default=False)] = None,
     out: Folder = Path("prediction"),
-    results: Results = _RESULTS,
+    results: Results = RESULTS,
     keys: Flags | None = None,
 ) -> None:
     """Predict how the real contact ages, from a material, a scan and a load, with 95 % bands.
@@ -62,30 +48,20 @@ def predict(
         "hold 1000s", "step pressure=250kPa", "repeat 3" (all legs before it), "repeat 3 last 2" (two of
         them). A first ramp begins at --pressure or --load, by default 0.
     """
-    flags = given(keys, surface=surface, leg=leg, units=True)
-    replaceable = check_free(out, overwrite=results.overwrite)
-    door = _door(material, flags)
-    from asperity.app.config.reading import config_at
-
-    settings = config_at(door, question="prediction")
-    from asperity.app.cli.computing import answer_into  # takes a second: mistakes are reported before
-
-    typed = printable(shlex.join(["asperity", *sys.argv[1:]]))
-    answer_into(out, door, settings, results, replaceable, command=typed)
-
-
-def _door(material: Path | None, flags: dict[str, dict[str, object]]) -> Door:
-    """Where the question comes from: a file of a run, a table, or flags alone."""
     from asperity.app.config.mistakes import Door
 
+    flags = given(keys, surface=surface, leg=leg, units=True)
     if material is None or material.suffix != ".toml":
         contact, protocol = flags.get("contact", {}), flags.get("protocol", {})
         legs = cast(list[Any], protocol.get("legs", []))
         begins = "file" in protocol or bool(legs and legs[0]["kind"] == "ramp")
-        if contact or not begins:
-            check_load(flags)
+        if (contact or not begins) and len(contact) != 1:
+            got = "both" if contact else "neither"
+            raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")
         if material is None and "young" not in flags.get("solid", {}):
             expected = "a relaxation table, a TOML file, or --young"
             raise InputError("material", expected=expected, got="none", advice="asperity predict --help")
-    file = file_of_run(material, flags)
-    return Door(flags, file, {("solid", "relaxation"): "material"}, {"adhesion"})
+    # A band covers no adhesion: it is no cure here.
+    door = Door(flags, file_of_run(material, flags), {("solid", "relaxation"): "material"}, {"adhesion"})
+    typed = printable(shlex.join(["asperity", *sys.argv[1:]]))
+    answer_into(out, door, results, "prediction", command=typed)

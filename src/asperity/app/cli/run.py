@@ -7,14 +7,10 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from asperity.app.cli.asking import answer_into
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Folder, flags_for, given
-from asperity.app.cli.new_files import check_free
-from asperity.app.cli.options import Results
-
-__all__ = ["flags_for", "run"]  # the annotation that `command` writes names flags_for
-
-_RESULTS = Results()
+from asperity.app.cli.flags import Flags, Folder, given
+from asperity.app.cli.options import RESULTS, Results
 
 
 @command("surface", "preparation", "solid", "contact", "aging", "protocol", "friction", "carried", "output")
@@ -23,7 +19,7 @@ def run(
     /,
     *,
     out: Folder = Path("asperity-out"),
-    results: Results = _RESULTS,
+    results: Results = RESULTS,
     leg: Annotated[list[str] | None, Parameter(negative=(), show_default=False)] = None,
     keys: Flags | None = None,
 ) -> None:
@@ -44,11 +40,5 @@ def run(
         [default: one hold]
     """
     from asperity.app.config.mistakes import Door
-    from asperity.app.config.reading import config_at
 
-    door = Door(given(keys, leg=leg), config)
-    settings = config_at(door)
-    replaceable = check_free(out, overwrite=results.overwrite)
-    from asperity.app.cli.computing import answer_into  # takes a second: mistakes are reported before
-
-    answer_into(out, door, settings, results, replaceable)
+    answer_into(out, Door(given(keys, leg=leg), config), results)

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from asperity.app.cli.asking import answer_into
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Folder, file_of_run, flags_for, given
-from asperity.app.cli.new_files import check_free
-from asperity.app.cli.options import Drawn, Results
-
-__all__ = ["flags_for", "sliding"]  # the annotation that `command` writes names flags_for
-
-_DRAWN, _RESULTS = Drawn(), Results()
+from asperity.app.cli.flags import Flags, Folder, file_of_run, given
+from asperity.app.cli.options import DRAWN, RESULTS, Drawn, Results
 
 
 @command("sliding", "preparation", "solid", "contact", "friction")
@@ -21,8 +17,8 @@ def sliding(
     *,
     surface: Path | None = None,
     out: Folder = Path("sliding"),
-    results: Results = _RESULTS,
-    drawn: Drawn = _DRAWN,
+    results: Results = RESULTS,
+    drawn: Drawn = DRAWN,
     keys: Flags | None = None,
 ) -> None:
     """Find friction and contact area of a scan that slides over a viscoelastic solid, against speed.
@@ -38,16 +34,7 @@ def sliding(
     surface
         The scan: a surface file of an instrument, a .npy array, or a text matrix, with units.
     """
-    flags = given(keys, surface=surface, units=True)
-    file = file_of_run(material, flags)
-    if drawn.figures is not None:
-        flags["output"] = {"figures": drawn.figures}
     from asperity.app.config.mistakes import Door
-    from asperity.app.config.reading import config_at
 
-    door = Door(flags, file)
-    settings = config_at(door, question="sliding")
-    replaceable = check_free(out, overwrite=results.overwrite)
-    from asperity.app.cli.computing import answer_into  # takes a second: mistakes are reported before
-
-    answer_into(out, door, settings, results, replaceable)
+    flags = given(keys, surface=surface, figures=drawn.figures, units=True)
+    answer_into(out, Door(flags, file_of_run(material, flags)), results, "sliding")

@@ -6,13 +6,9 @@ import sys
 from pathlib import Path
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Out, Switch, flags_for, given
+from asperity.app.cli.flags import Flags, Out, Switch, given
 from asperity.app.cli.new_files import check_figures
-from asperity.app.cli.options import Drawn
-
-_DRAWN = Drawn()
-
-__all__ = ["flags_for", "surface"]  # the annotation that `command` writes names flags_for
+from asperity.app.cli.options import DRAWN, Drawn
 
 
 @command("preparation")
@@ -22,7 +18,7 @@ def surface(
     *,
     out: Out | None = None,
     overwrite: Switch = False,
-    drawn: Drawn = _DRAWN,
+    drawn: Drawn = DRAWN,
     keys: Flags | None = None,
 ) -> None:
     """Describe a surface file as a run would use it, and draw it.

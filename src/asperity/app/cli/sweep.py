@@ -6,13 +6,11 @@ from pathlib import Path
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import Out
-from asperity.app.cli.options import Work
-
-_WORK = Work()
+from asperity.app.cli.options import WORK, Work
 
 
 @command()
-def sweep(plan: Path, /, *, out: Out, work: Work = _WORK) -> None:
+def sweep(plan: Path, /, *, out: Out, work: Work = WORK) -> None:
     """Run a campaign: many runs from one file. The same command again does the remaining runs.
 
     Parameters

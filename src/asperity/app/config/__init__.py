@@ -2,7 +2,6 @@
 
 from asperity.app.config.reading import config_from as config_from
 from asperity.app.config.reading import file_surface as file_surface
-from asperity.app.config.reading import from_tables as from_tables
 from asperity.app.config.reading import read_config as read_config
 from asperity.app.config.reading import to_tables as to_tables
 from asperity.app.config.reading import to_toml as to_toml

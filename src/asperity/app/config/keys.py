@@ -7,7 +7,6 @@ import functools
 from dataclasses import dataclass
 from typing import Any
 
-from asperity.ask.legs import keys_of_leg
 from asperity.ask.questions import QUESTIONS
 from asperity.ask.run import FILES
 from asperity.ask.section import KINDS, Section, keys_of_maker
@@ -65,7 +64,7 @@ def sections(*, short: bool = False) -> dict[str, dict[str, Keys]]:
         name: {kind: keys_of(one) for kind, one in kinds.items()}  # type: ignore[arg-type]  # classes have a hash
         for name, kinds in KINDS.items()
     }
-    kinds["protocol"] = {kind: _keys(keys_of_leg(kind)) for kind in LEGS}
+    kinds["protocol"] = {kind: _keys(keys_of_maker(leg)) for kind, leg in LEGS.items()}
     order = ("surface", "solid", "contact", "aging", "protocol", "friction", "carried", "output")
     return {
         section: {
@@ -84,7 +83,7 @@ def keys_of(section: type[Section]) -> Keys:
 
 def own_keys(question: str) -> Keys:
     """Keys of a question that no section has."""
-    return _keys(QUESTIONS[question].own())
+    return _keys(keys_of_maker(QUESTIONS[question]))
 
 
 def _keys(parameters: Parameters) -> Keys:

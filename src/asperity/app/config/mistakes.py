@@ -12,7 +12,7 @@ from typing import Any
 
 from asperity.ask.run import RunConfig
 from asperity.ask.section import KINDS
-from asperity.errors import ConfigError, InputError, Value
+from asperity.errors import ConfigError, InputError, Value, brief
 
 Sections = dict[str, dict[str, object]]
 Names = Mapping[tuple[str, str], str]
@@ -65,32 +65,35 @@ class Door:
 
     def line(self, mistake: InputError) -> str:
         """A mistake in one line."""
-        home, *rest = mistake.path or ("",)
+        home, *rest = mistake.path or ("", mistake.name)
         section = str(home)
         typed = self._typed(section, *rest)
 
         def spell(key: str) -> str:
-            return flag_in(section, key) if typed or self._typed(section, key) else key
+            if section and (typed or self._typed(section, key)):
+                return flag_in(section, key)
+            return self.names.get((section, key), key)
 
         def assign(key: str, value: Value) -> str:
             name = spell(key)
+            if not section and name == key:  # an argument of the library, which a key may set
+                name = flag_in("", key) or key
             written = assigned(name, value) if name.startswith("--") else f"{key} = {json.dumps(value)}"
             return "" if key in self.lacks else written
 
-        place = self._place(section, rest)
         named = mistake.name in (section, *rest[-1:]) or (rest and mistake.name == "kind")
         about = "" if named else f"{mistake.name}: "
-        return f"{place}{': ' * bool(section)}{about}{mistake.told('', spell, assign)}"
+        return f"{self._place(section, rest)}: {about}{mistake.told('', spell, assign)}"
 
     @contextmanager
-    def answering(self, config: RunConfig) -> Iterator[None]:
-        """Let the errors of a verb name arguments as this configuration has them."""
+    def answering(self, config: RunConfig | None = None) -> Iterator[None]:
+        """Let the errors of a verb name arguments as this configuration has them, or as the door does."""
         try:
             yield
         except ConfigError:
             raise
         except InputError as error:
-            path = error.path or self._path_of(error.name, config)
+            path = ("", error.name) if config is None else error.path or self._path_of(error.name, config)
             if not path:
                 raise
             place, told = self._place(str(path[0]), [*path[1:]]), self.line(error.about(error.name, *path))
@@ -122,8 +125,8 @@ class Door:
         if not rest:
             return self._in_file(f"[{section}]" if section else "")
         key = str(rest[0])
-        if (section, key) in self.names:
-            return self._in_file(self.names[section, key])
+        if not section or (section, key) in self.names:
+            return self._in_file(self.names.get((section, key), brief(key)))
         if self._typed(section, key) or (key == "kind" and self.flags.get(section)):
             return flag_of(section, key)
         return self._in_file(f"[{section}] {key}")

@@ -70,7 +70,7 @@ def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
 
 
 def to_tables(config: RunConfig) -> dict[str, Any]:
-    """Tables of which `from_tables` makes a configuration that asks the same."""
+    """Tables of which `RunConfig.read` makes a configuration that asks the same."""
     tables, unused = config.tables, dict(config.unused)
     if "times" in tables["aging"]:
         unused["aging"] = {"first", "last", "per_decade", *unused.get("aging", ())}
@@ -79,11 +79,6 @@ def to_tables(config: RunConfig) -> dict[str, Any]:
     if config.carries is None:
         del tables["carried"]
     return {name: table for name, table in tables.items() if table or name == config.asked}
-
-
-def from_tables(tables: dict[str, Any]) -> RunConfig:
-    """Make a configuration of the tables of `to_tables`."""
-    return RunConfig.read(tables)
 
 
 def to_toml(config: RunConfig) -> str:
