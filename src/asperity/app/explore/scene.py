@@ -291,7 +291,7 @@ def ending(dataset: xr.Dataset, rows: Iterable[tuple[str, str]]) -> Header:
     return {"kind": "done", "limit": limit_row, "rows": list(rows)}
 
 
-def pictured(outcome: Outcome, title: str, rows: Iterable[tuple[str, str]]) -> Header:
+def pictured(outcome: Outcome, title: str, rows: Iterable[tuple[str, str]], toml: str) -> Header:
     """Header of the message that is an answer without a contact that ages: its figure, table and rows."""
     (draw, *_), (table, *_) = outcome.drawings().values(), outcome.tables().values()
     stream = BytesIO()
@@ -300,7 +300,7 @@ def pictured(outcome: Outcome, title: str, rows: Iterable[tuple[str, str]]) -> H
         "kind": "answer",
         "title": title,
         "config": json_tables(outcome.config),
-        "toml": to_toml(outcome.config),
+        "toml": toml,
         "picture": stream.getvalue().decode(),
         "table": table.to_csv(index=False, lineterminator="\n"),
         "rows": list(rows),
