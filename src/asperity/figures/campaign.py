@@ -75,10 +75,10 @@ def campaign_figure(dataset: xr.Dataset) -> style.Drawing:
     logarithmic = float(drawn.max()) > _WIDE * float(drawn.min())
     for axes, panel in zip(grid.flat, panels, strict=False):
         for number, curve in enumerate(curves):
-            time, (middle, half, *edges) = _curve(dataset[place], (mean, *more), panel | curve)
+            time, (middle, half, low, high) = _curve(dataset[place], (mean, *more), panel | curve)
             color = colormaps["cividis"](0.85 * number / max(len(curves) - 1, 1))
             label = _said(dataset, curve)
-            style.band(axes, time, *edges, color, f"_95 % band, {label}" * banded)
+            style.band(axes, time, low, high, color, f"_95 % band, {label}" * banded)
             look: dict[str, Any] = {"linewidth": 1.3, "markersize": 3.5, "color": color}
             style.curve(axes, time, middle, f"{_MARKERS[number]}-", label=label, **look)
             if banded and several:
