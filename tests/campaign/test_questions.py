@@ -13,6 +13,7 @@ import asperity.app.campaign as campaign
 from asperity.app.campaign.plan import read_plan
 from asperity.app.cli import main
 from asperity.errors import ConfigError
+from asperity.figures import campaign_figure
 from asperity.results import load
 from tests.campaign.conftest import do_here, done_here, written
 
@@ -108,6 +109,26 @@ def test_a_campaign_gathers_the_answers_of_its_question(tmp_path, capsys, text, 
     estimate = campaign.estimate(plan, tmp_path / "elsewhere")
     assert estimate.runs == len(plan.runs)
     assert main(["status", str(tmp_path / "out")]) == 0
+
+
+def test_the_figure_shows_the_bands_of_the_answers(tmp_path):
+    done_here(tmp_path, f"{SLIDING}direction = ['x', 'y']\nseeds = 2")
+    data = campaign.open(tmp_path / "out")
+    name = "hysteresis_friction_coefficient"
+    figure: Any = campaign_figure(data)
+    (axes,) = figure.axes
+    assert len(axes.series["errors"]) + len(axes.series["points"]) == 2
+    assert "shaded: 95 % band of an answer" in figure.get_suptitle().replace("\n", " ")
+    for direction, (label, _, ends) in zip(("x", "y"), axes.series["band"], strict=True):
+        one = data.sel(direction=direction)
+        assert direction in label
+        for end in ("low", "high"):
+            right = one[f"{name}_mean"] * (one[f"{name}_{end}"] / one[name]).mean("seed")
+            np.testing.assert_allclose(ends[f" {end}"], right.dropna("speed"))
+    alone = data.isel(seed=0).drop_vars([one for one in data if str(one).startswith(f"{name}_mean")])
+    bands: Any = campaign_figure(alone.isel(direction=[0])).axes[0]
+    ((_, _, ends),) = bands.series["band"]
+    np.testing.assert_allclose(ends[" low"], alone[f"{name}_low"].isel(direction=0).dropna("speed"))
 
 
 @pytest.mark.parametrize(

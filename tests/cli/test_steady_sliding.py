@@ -114,7 +114,11 @@ def test_the_figure_shows_friction_and_area():
     surface = asp.surfaces.Surface(1e-9 * HEIGHTS, "m", (50e-9, 50e-9), "m")
     solid = asp.solids.half_space(young="30 MPa", branches=BRANCHES)
     answer = asp.steady_sliding(solid, surface, speeds=[1e-6, 1e-5, 1e-4], pressure=1e6)
-    above, below = asp.figures.steady_sliding_figure(answer).axes
+    figure = asp.figures.steady_sliding_figure(answer)
+    figure.suptitle("").set_in_layout(False)  # as in PDF and SVG: no label may need its room
+    figure.draw_without_rendering()
+    assert figure.get_tightbbox().y1 < figure.get_figheight()
+    above, below = figure.axes
     drawn: Any = above.lines[0].get_ydata(), below.lines[0].get_ydata()
     np.testing.assert_allclose(drawn[0], answer["hysteresis_friction_coefficient"])
     np.testing.assert_allclose(drawn[1], 100 * answer["contact_fraction"])

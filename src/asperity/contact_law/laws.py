@@ -20,7 +20,6 @@ those of the tiles have.
 from __future__ import annotations
 
 import itertools
-import json
 import math
 from collections.abc import Callable
 from dataclasses import asdict
@@ -41,7 +40,6 @@ from asperity.ask.question import answers
 from asperity.base import checks
 from asperity.base.calls import remark
 from asperity.base.readable import written
-from asperity.base.version import __version__
 from asperity.carried import Carried
 from asperity.carried.record import quantities, tangential
 from asperity.carried.response import unit_response
@@ -53,7 +51,7 @@ from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.progress import listener
 from asperity.results.checkpoint import Keeper, fingerprint_of_solid
-from asperity.results.dataset import attributes_of_solid
+from asperity.results.dataset import attributes_of_answer, check_answer
 from asperity.results.quantities import describe
 from asperity.simulate import age, pressed
 from asperity.surfaces import Surface, read
@@ -108,9 +106,10 @@ def law(question: Law) -> xr.Dataset:
     if scan.heights.ndim != 2:
         raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
     heights, spacing = scan.in_meters()
+    lattice = Lattice(heights.shape, spacing, scan.edges)
     asked = repr((steps.tolist(), ages.tolist(), carried, rtol)).encode() + heights.tobytes()
     if question.checkpoint is not None:
-        asked += fingerprint_of_solid(body, Lattice(heights.shape, spacing, scan.edges))
+        asked += fingerprint_of_solid(body, lattice)
     keeper = Keeper(question.checkpoint, asked)
     rows: list[State] = (keeper.read() or ([],))[0]
     done = {row["pressure"] for row in rows if row["direction"] == "loading"}
@@ -130,22 +129,12 @@ def law(question: Law) -> xr.Dataset:
     held = [Resolved(**row["seen"]) for row in rows if row["direction"] == "loading"]
     for text in (*remarks_on_bodies(scan, body), *remarks_on_contacts(scan, body, held, "rows")):
         remark(text)
-    return _dataset(rows, heights).assign_attrs(
-        title=TITLE,
-        asperity_version=__version__,
-        **attributes_of_solid(body),
-        edges=scan.edges,
-        shape=json.dumps(scan.shape),
-        spacing=json.dumps(spacing),
-        surface=json.dumps(dict(scan.provenance)),
-    )
+    return _dataset(rows, heights).assign_attrs(attributes_of_answer(TITLE, body, lattice, scan.provenance))
 
 
 def check_law(dataset: xr.Dataset) -> None:
     """`InputError` unless `law` made the dataset."""
-    advice = "asperity.law(solid, scan, pressures=...)"
-    if checks.instance("dataset", dataset, xr.Dataset, advice).attrs.get("title") != TITLE:
-        raise InputError("dataset", expected="a law", got="another one", advice=advice)
+    check_answer(dataset, TITLE, "a law", "asperity.law(solid, scan, pressures=...)")
 
 
 def _held(

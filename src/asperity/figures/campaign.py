@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from itertools import product
 from typing import Any
 
@@ -28,12 +27,12 @@ _MARKERS = "osD^vP*"
 _WIDE = 20.0
 """Ratio of the largest to the smallest contact from which its axis is logarithmic."""
 
-Where = Mapping[str, int]
+Where = dict[str, int]
 
 
 @style.drawn
 def campaign_figure(dataset: xr.Dataset) -> style.Drawing:
-    """Draw the answers at each point of a campaign: means over the seeds, and standard errors.
+    """Draw the answers at each point of a campaign: means over the seeds, standard errors, and 95 % bands.
 
     Of histories and predictions the contact against time, of steady sliding the friction against speed, of
     laws the stiffness against pressure under loading. The parameter with most values tells the curves of a
@@ -63,9 +62,8 @@ def campaign_figure(dataset: xr.Dataset) -> style.Drawing:
     if name not in dataset or dataset[place].ndim == 0 or not float(dataset[place].max()) > 0:
         expected = "the dataset of a campaign, with times above 0"
         raise InputError("dataset", expected=expected, got="another", advice="asperity.campaign.open(folder)")
-    factor = 100 if place == "time" else 1
-    mean = factor * dataset[name].transpose(..., over)
-    spread = factor * dataset[f"{quantity}_stderr"] if name.endswith("mean") else 0 * mean
+    mean, *more = _series(dataset, quantity, over, 100 if place == "time" else 1)
+    banded, several = f"{quantity}_low" in dataset, dataset.sizes.get("seed", 0) > 1
     swept = sorted(map(str, mean.dims[:-1]), key=lambda dim: dataset.sizes[dim])
     along, others = (swept[-1:], swept[:-1])
     panels, curves = _points(dataset, others, _MOST_PANELS), _points(dataset, along, _MOST_CURVES)
@@ -77,11 +75,15 @@ def campaign_figure(dataset: xr.Dataset) -> style.Drawing:
     logarithmic = float(drawn.max()) > _WIDE * float(drawn.min())
     for axes, panel in zip(grid.flat, panels, strict=False):
         for number, curve in enumerate(curves):
-            time, middle, half = _curve(dataset[place], mean, spread, {**panel, **curve})
+            time, (middle, half, low, high) = _curve(dataset[place], (mean, *more), panel | curve)
             color = colormaps["cividis"](0.85 * number / max(len(curves) - 1, 1))
-            style.band(axes, time, middle - half, middle + half, color, "")
+            label = _said(dataset, curve)
+            style.band(axes, time, low, high, color, f"_95 % band, {label}" * banded)
             look: dict[str, Any] = {"linewidth": 1.3, "markersize": 3.5, "color": color}
-            style.curve(axes, time, middle, f"{_MARKERS[number]}-", label=_said(dataset, curve), **look)
+            style.curve(axes, time, middle, f"{_MARKERS[number]}-", label=label, **look)
+            if banded and several:
+                bars = f"_standard error, {label}"
+                axes.errorbar(time, middle, half, fmt="none", ecolor=color, capsize=1.5, label=bars)
         if "leg" not in dataset.coords:
             axes.set_xscale("log")
         if logarithmic:
@@ -100,8 +102,20 @@ def campaign_figure(dataset: xr.Dataset) -> style.Drawing:
         axes.set_xlabel(along_place)
         axes.tick_params(labelbottom=True)
     figure.supylabel("real contact [% of nominal area]" if place == "time" else _labelled(dataset[quantity]))
-    style.entitle(figure, "", _title(title, dataset, others, along))
+    style.entitle(figure, "", _title(title, dataset, others, along, banded=banded))
     return figure
+
+
+def _series(dataset: xr.Dataset, quantity: str, over: str, factor: float) -> tuple[xr.DataArray, ...]:
+    """Mean over the seeds, its standard error, and ends of the band: that of the answers if they have one."""
+    of_seeds = f"{quantity}_mean" in dataset
+    mean = factor * dataset[f"{quantity}_mean" if of_seeds else quantity].transpose(..., over)
+    spread = factor * dataset[f"{quantity}_stderr"].fillna(0.0) if of_seeds else 0 * mean
+    if f"{quantity}_low" not in dataset:
+        return mean, spread, mean - spread, mean + spread
+    # Relative to each answer, as an end may be unknown in some of those that the mean is of.
+    parts = [dataset[f"{quantity}_{end}"] / dataset[quantity] for end in ("low", "high")]
+    return mean, spread, *(mean * (part.mean("seed") if of_seeds else part) for part in parts)
 
 
 def _labelled(array: xr.DataArray) -> str:
@@ -115,14 +129,12 @@ def _points(dataset: xr.Dataset, dims: list[str], most: int) -> list[Where]:
     return [points[number] for number in chosen]
 
 
-def _curve(
-    places: xr.DataArray, mean: xr.DataArray, spread: xr.DataArray, where: Where
-) -> tuple[Field, Field, Field]:
-    """Places of a curve, its values, and half the width of its band; what is not finished is left out."""
+def _curve(places: xr.DataArray, series: tuple[xr.DataArray, ...], where: Where) -> tuple[Field, list[Field]]:
+    """Places of a curve, and its series, the values first; what is not finished is left out."""
     time = places.isel(where, missing_dims="ignore").values
-    middle, half = mean.isel(where).values, spread.isel(where).values
-    shown = np.isfinite(middle) & (time > 0 if "leg" not in places.coords else np.isfinite(time))
-    return time[shown], middle[shown], np.nan_to_num(half[shown])
+    values = [one.transpose(..., series[0].dims[-1]).isel(where).values for one in series]
+    shown = np.isfinite(values[0]) & (time > 0 if "leg" not in places.coords else np.isfinite(time))
+    return time[shown], [one[shown] for one in values]
 
 
 def _said(dataset: xr.Dataset, where: Where) -> str:
@@ -137,12 +149,15 @@ def _said(dataset: xr.Dataset, where: Where) -> str:
     return style.verbatim(", ".join(texts))
 
 
-def _title(title: str, dataset: xr.Dataset, others: list[str], along: list[str]) -> list[str]:
+def _title(
+    title: str, dataset: xr.Dataset, others: list[str], along: list[str], *, banded: bool
+) -> list[str]:
     """What is drawn, and how much of it."""
     parts = [title]
     if "seed" in dataset.dims:
         seeds = dataset.sizes["seed"]
         parts.append(f"mean of {seeds} seeds ± standard error" if seeds > 1 else "one seed")
+    parts += ["shaded: 95 % band of an answer"] * banded
     for dims, most, plural in ((others, _MOST_PANELS, "panels"), (along, _MOST_CURVES, "curves a panel")):
         if (count := math.prod(dataset.sizes[dim] for dim in dims)) > most:
             parts.append(f"{most} of {count} {plural} drawn")

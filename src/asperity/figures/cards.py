@@ -142,12 +142,7 @@ def _(prediction: Prediction) -> str:
         axes.set_xlabel("time under load [s]")
         style.legend_below(cast(style.Drawing, axes.figure), axes)
 
-    return _card(
-        "Prediction",
-        _brief(prediction.rows()),
-        draw,
-        *prediction.remarks,
-    )
+    return _card("Prediction", _brief(prediction.rows()), draw, *prediction.remarks)
 
 
 def _brief(rows: Iterable[Row]) -> list[tuple[str, str]]:

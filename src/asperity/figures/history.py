@@ -113,12 +113,16 @@ def series_table(dataset: xr.Dataset, names: Iterable[str]) -> dict[str, object]
     for name in names:
         values, label, _ = shown_series(dataset, name)
         columns[label] = values
-        band = "contact_area" if name == "area" else name
-        for end in ("low", "high"):
-            if f"{band}_{end}" in dataset:
-                ratio = (dataset[f"{band}_{end}"] / dataset[band]).values
-                columns[re.sub(r"( \[|$)", rf" {end}\1", label, count=1)] = values * ratio
+        for end, ratio in _ends(dataset, name).items():
+            columns[re.sub(r"( \[|$)", rf" {end}\1", label, count=1)] = values * ratio
     return columns
+
+
+def _ends(dataset: xr.Dataset, name: str) -> dict[str, Field]:
+    """Ends of the 95 % band over the series, by name; empty without a band. Sites have that of the area."""
+    band = "contact_area" if name == "area" else name
+    parts = {end: f"{band}_{end}" for end in ("low", "high")}
+    return {end: (dataset[part] / dataset[band]).values for end, part in parts.items() if part in dataset}
 
 
 def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
@@ -144,7 +148,7 @@ def _draw(axes: Axes, time: TimeAxis, dataset: xr.Dataset, name: str) -> float:
     """Draw one series with its band; return the factor from its values to the drawn ones."""
     values, label, factor = shown_series(dataset, name)
     axes.set_ylabel(label, multialignment="center")
-    shade(axes, time, dataset, "contact_area" if name == "area" else name, values)
+    shade(axes, time, dataset, name, values)
     join(axes, time, values)
     return factor
 
@@ -153,9 +157,10 @@ def shade(
     axes: Axes, time: TimeAxis, dataset: xr.Dataset, name: str, values: Field, color: str = style.SKY
 ) -> None:
     """Shade the 95 % band of a series as it is drawn, leg by leg; nothing where it has none."""
-    if f"{name}_low" not in dataset or dataset[f"{name}_low"].isnull().all():
+    ends = [values * ratio for ratio in _ends(dataset, name).values()]
+    if not ends or np.isnan(ends[0]).all():
         return
-    low, high = (values * (dataset[f"{name}_{end}"] / dataset[name]).values for end in ("low", "high"))
+    low, high = ends
     for part in np.split(np.arange(values.size), np.flatnonzero(time.after)):
         label = "" if part[0] else "95 % band"  # each name once
         style.band(axes, time.place[part], low[part], high[part], color, label)

@@ -43,7 +43,8 @@ def steady_sliding_figure(dataset: xr.Dataset) -> style.Drawing:
             low, high = (factor * dataset[f"{name}_{end}"].values for end in ("low", "high"))
             style.band(axes, speed, low, high, color, "")
     of_all = "friction_coefficient" in dataset
-    above.set_ylabel("friction coefficient" if of_all else "friction coefficient, hysteresis")
+    # On one line it is longer than the panel, and would be cut off in files without a title.
+    above.set_ylabel("friction coefficient" if of_all else "friction coefficient,\nhysteresis", ma="center")
     below.set_ylabel("contact [%]")
     below.set_xlabel(style.with_unit("sliding speed", unit))
     for axes in (above, below):

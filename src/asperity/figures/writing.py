@@ -125,7 +125,7 @@ def _columns(figure: Drawing) -> Iterator[tuple[str, Any]]:
             if (across, tuple(x)) != place:
                 place = across, tuple(x)
                 yield place
-            named = "" if not label or label.startswith("_") else f"{label.partition(chr(10))[0]}: "
+            named = f"{label.removeprefix('_').partition(chr(10))[0]}: " if label else ""
             for ending, values in series.items():
                 quantity, bracket, unit = along.partition(" [")
                 yield f"{named}{quantity}{ending}{bracket}{unit}", values

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.base import checks
 from asperity.lattice import Field, Lattice, Mask
 from asperity.patches.labels import mask
-from asperity.patches.links import linked
+from asperity.patches.links import Links, linked
 from asperity.patches.shapes import Shapes, shapes_of
 
 Maps = Sequence[Mask] | NDArray[np.bool_]
@@ -27,11 +27,8 @@ _BOXES_PER_AXIS = 8
 _SMALLEST_BOX = 2
 """Boxes of single sites always have the index 1."""
 
-_EVENTS = (
-    *("births", "deaths", "merges", "splits"),
-    *("gained_by_expansion", "gained_by_coalescence", "gained_by_births"),
-    *("lost_by_shrinkage", "lost_by_deaths"),
-)
+_EVENTS = [name for name, one in vars(Links).items() if isinstance(one, property) and name[0] != "_"]
+"""Counts of what happens between two maps; what is one number a patch is a cached property."""
 
 
 def quantiles(values: Field) -> Field:

@@ -224,9 +224,8 @@ def _check_known(material: Material, **times: float | Field) -> None:
     begin, end = material.span
     for name, time in ((name, time) for name, some in times.items() for time in np.atleast_1d(some)):
         if not begin * (1 - 1e-9) <= time <= end * (1 + 1e-9):
-            source, word = (
-                ("the data span", "model") if material.fit is None else ("the table spans", "plateau")
-            )
+            of_data, of_table = ("the data span", "model"), ("the table spans", "plateau")
+            source, word = of_data if material.fit is None else of_table
             facts: dict[str, Any] = {"cure": {"extrapolate": word}}
             if word == "plateau" and time <= end:
                 facts = {"advice": "a table of more decades"}

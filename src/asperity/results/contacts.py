@@ -34,13 +34,13 @@ def contact_dataset(contact: Contact) -> xr.Dataset:
     """Gather the maps and numbers of a contact; see `Contact.dataset`."""
     import xarray as xr
 
-    sites = ("y", "x")[2 - contact.heights.ndim :]
+    places = coordinates_of(contact)
     names = {"heights", *had_by(contact, "field", "contact")} - {"u0"}
     maps = {name: getattr(contact, name) for name in sorted(names)}
     numbers = {name: getattr(contact, name) for name in had_by(contact, "series") if hasattr(contact, name)}
     dataset = xr.Dataset(
-        {name: (("branch", *sites)[-field.ndim :], field) for name, field in maps.items()} | numbers,
-        dict(zip(sites, coordinates_of(contact), strict=True)),
+        {name: (("branch", *places)[-field.ndim :], field) for name, field in maps.items()} | numbers,
+        places,
     )
     describe_recorded(dataset, contact)
     return dataset.assign_attrs({"title": "A rough contact", **attributes_of(contact, contact.control)})
@@ -63,7 +63,7 @@ def pull_off_path(pull: PullOff, contact: Contact) -> xr.Dataset:
     np.minimum.at(last, numbers.labels[touching], pull.opened[touching])
     units = units_of(contact)
     length, force = units["length"], units["force"]
-    sites = ("y", "x")
+    places = coordinates_of(contact)
     contact_area = pull.area * contact.lattice.cell
     when = "approach at which the last site of the patch opened"
     dataset = xr.Dataset(
@@ -72,11 +72,11 @@ def pull_off_path(pull: PullOff, contact: Contact) -> xr.Dataset:
             "force": ("step", pull.normal_force, _said("normal force, negative where it pulls", force)),
             "area": ("step", pull.area, _said("sites in contact", "sites")),
             "contact_area": ("step", contact_area, _said("real contact area", units["area"])),
-            "opened": (sites, pull.opened, _said("approach at which the site opened", length)),
-            "patch": (sites, numbers.labels, _said("number of the patch of the aged contact", "1")),
+            "opened": ((*places,), pull.opened, _said("approach at which the site opened", length)),
+            "patch": ((*places,), numbers.labels, _said("number of the patch of the aged contact", "1")),
             "let_go": ("number", last[1:], _said(when, length)),
         },
-        {"number": np.arange(1, last.size), **dict(zip(sites, coordinates_of(contact), strict=True))},
+        {"number": np.arange(1, last.size), **places},
     )
     facts = {"title": "A contact pulled apart", "work_of_adhesion": pull.work, "pull_off": pull.force}
     return dataset.assign_attrs({**facts, **attributes_of(contact, contact.control)})

@@ -12,10 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.aging.frames import Frame
+from asperity.base import checks
 from asperity.base.version import __version__
 from asperity.carried import Carried, record
 from asperity.contact import Contact, Control
 from asperity.contact.bodies import Bodies
+from asperity.errors import InputError
+from asperity.lattice import Lattice
 from asperity.patches import QUANTILES, clustering_box, map_series, quantiles
 from asperity.protocols import Leg
 from asperity.protocols.legs import described, in_words
@@ -80,17 +83,17 @@ def dataset_of(
     """
     import xarray as xr
 
-    sites = ("y", "x")[2 - start.heights.ndim :]
+    places = coordinates_of(start)
     slides = bool(rows) and "displacement" in rows[0]
     asked = [name for name in select("series", of=["carried", "friction"]) if rows and name in rows[0]]
     series = [*had_by(start, "series", slides=slides), *asked]
     dataset = xr.Dataset(
         data_vars={name: ("time", np.array([row[name] for row in rows])) for name in series},
-        coords={"time": [row["time"] for row in rows]} | dict(zip(sites, coordinates_of(start), strict=True)),
+        coords={"time": [row["time"] for row in rows], **places},
     )
     # Heights before yielding.
     rough = start.heights + start.permanent_indentation if start.solid.yields else start.heights
-    dataset["heights"] = (sites, rough)
+    dataset["heights"] = (*places,), rough
     if protocol is not None:
         dataset = dataset.assign_coords(leg=("time", [int(row["leg"]) for row in rows]))
     if snapshots:
@@ -148,11 +151,12 @@ def _with_patches(dataset: xr.Dataset, start: Contact, snapshots: Sequence[Snaps
     return dataset.merge(named)
 
 
-def coordinates_of(contact: Bodies) -> list[NDArray[Any]]:
-    """Coordinates of the sites along each axis: lengths on a continuum, else numbers from 0."""
+def coordinates_of(contact: Bodies) -> dict[str, NDArray[Any]]:
+    """Coordinates of the sites along y and x, or x: lengths on a continuum, else numbers from 0."""
     lattice = contact.lattice
     steps = lattice.spacing if contact.solid.in_lengths else (1,) * lattice.dimension
-    return [step * np.arange(n) for step, n in zip(steps, lattice.shape, strict=True)]
+    axes = zip(("y", "x")[-lattice.dimension :], steps, lattice.shape, strict=True)
+    return {axis: step * np.arange(n) for axis, step, n in axes}
 
 
 def describe_recorded(dataset: xr.Dataset, contact: Contact) -> None:
@@ -180,6 +184,29 @@ def attributes_of(contact: Contact, control: Control) -> dict[str, Plain]:
         **plain("surface", contact.surface),
         "parameter_units": units_of_parameters(items, units_of(contact)),
     }
+
+
+def attributes_of_answer(
+    title: str, solid: Solid, lattice: Lattice, surface: Mapping[str, Any]
+) -> dict[str, str | float]:
+    """Title, version, solid, lattice and surface of an answer that is no history."""
+    return {
+        "title": title,
+        "asperity_version": __version__,
+        **attributes_of_solid(solid),
+        "edges": lattice.edges,
+        "shape": json.dumps(lattice.shape),
+        "spacing": json.dumps(lattice.spacing),
+        "surface": json.dumps(dict(surface)),
+    }
+
+
+def check_answer(dataset: object, title: str, expected: str, advice: str) -> None:
+    """`InputError` unless it is a dataset of this title."""
+    import xarray as xr
+
+    if checks.instance("dataset", dataset, xr.Dataset, advice).attrs.get("title") != title:
+        raise InputError("dataset", expected=expected, got="another one", advice=advice)
 
 
 def attributes_of_solid(solid: Solid) -> dict[str, str | float]:

@@ -44,12 +44,9 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
     checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
     law = shear_strength if isinstance(shear_strength, ShearStrength) else ShearStrength(shear_strength)  # type: ignore[arg-type]
     if law.growth:
-        expected, got = (
-            "a strength that does not age: ages are known only while a history runs",
-            "one that does",
-        )
+        expected = "a strength that does not age: ages are known only while a history runs"
         advice = "asperity.age(..., carried=asperity.Carried(strength=...))"
-        raise InputError("shear_strength", expected=expected, got=got, advice=advice)
+        raise InputError("shear_strength", expected=expected, got="one that does", advice=advice)
     return with_friction(dataset, law)
 
 

@@ -19,7 +19,6 @@ from asperity.base import checks, units
 from asperity.base.calls import remark
 from asperity.base.machine import require
 from asperity.base.readable import written
-from asperity.base.version import __version__
 from asperity.contact.bodies import Bodies, bodies_of, control_by
 from asperity.contact.remarks import remarks_on_bodies
 from asperity.errors import InputError
@@ -27,7 +26,7 @@ from asperity.lattice import Field
 from asperity.progress import Progress, listener
 from asperity.relaxation import Material
 from asperity.relaxation import material as material_of
-from asperity.results.dataset import attributes_of_solid, coordinates_of
+from asperity.results.dataset import attributes_of_answer, check_answer, coordinates_of
 from asperity.results.quantities import units_of
 from asperity.sliding.bands import draws_of_solid, with_bands
 from asperity.sliding.problem import State
@@ -123,8 +122,7 @@ def _curve(
 def check_sliding(dataset: xr.Dataset) -> None:
     """`InputError` unless `steady_sliding` made the dataset."""
     advice = "asperity.steady_sliding(solid, scan, speeds=..., pressure=...)"
-    if checks.instance("dataset", dataset, xr.Dataset, advice).attrs.get("title") != TITLE:
-        raise InputError("dataset", expected="steady sliding", got="another one", advice=advice)
+    check_answer(dataset, TITLE, "steady sliding", advice)
 
 
 def _checked(solid: Solid) -> Solid:
@@ -189,19 +187,12 @@ def _dataset(
             facts = {"long_name": meaning, "units": unit[dimension]}
             dataset[name] = "speed", table[name], facts
     if maps:
-        axes = ("y", "x")[-bodies.lattice.dimension :]
-        places: dict[str, Any] = dict(zip(axes, coordinates_of(bodies), strict=True))
+        places = coordinates_of(bodies)
         dataset = dataset.assign_coords({"field_speed": list(maps), **places})
         facts = {"long_name": "contact pressure", "units": unit["pressure"]}
-        dataset["pressure"] = ("field_speed", *axes), np.stack([*maps.values()]), facts
+        dataset["pressure"] = ("field_speed", *places), np.stack([*maps.values()]), facts
     return dataset.assign_attrs(
-        title=TITLE,
-        asperity_version=__version__,
-        **attributes_of_solid(bodies.solid),
-        edges=bodies.lattice.edges,
-        shape=json.dumps(bodies.lattice.shape),
-        spacing=json.dumps(bodies.lattice.spacing),
-        surface=json.dumps(dict(bodies.surface)),
+        attributes_of_answer(TITLE, bodies.solid, bodies.lattice, bodies.surface),
         load=profile.load,
         nominal_area=bodies.nominal_area,
         direction=json.dumps(question.direction),

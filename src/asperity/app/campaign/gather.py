@@ -115,18 +115,10 @@ def fields(directory: str | Path, **where: float | int | str) -> xr.Dataset:
         No run, or more than one, is meant; it is not finished; it kept no fields.
     """
     plan = load_plan(directory)
-    labelled = [(run, plan.labels(run)) for run in plan.runs]
-    chosen = [
-        run
-        for run, labels in labelled
-        if all(name in labels and labels[name] == where[name] for name in where)
-    ]
+    chosen = [run for run in plan.runs if where.items() <= plan.labels(run).items()]
     if len(chosen) != 1:
-        raise InputError(
-            "campaign",
-            expected=f"values of {', '.join(plan.swept) or 'nothing'} that name one run",
-            got=f"{where}, which names {len(chosen)}",
-        )
+        expected = f"values of {', '.join(plan.swept) or 'nothing'} that name one run"
+        raise InputError("campaign", expected=expected, got=f"{where}, which names {len(chosen)}")
     return Store(directory).fields(chosen[0])
 
 
@@ -170,9 +162,8 @@ def with_ends(dataset: xr.Dataset) -> xr.Dataset:
         values = dataset[name]
         timed = over_time in values.dims
         along = over_time if timed else "field_time"
-        if along not in values.dims or quantity not in select("series" if timed else "map", table=CAMPAIGN):
-            continue
-        if "quantile" in values.dims:
+        wanted = select("series" if timed else "map", table=CAMPAIGN)
+        if along not in values.dims or quantity not in wanted or "quantile" in values.dims:
             continue
         last = (values.notnull().sum(along) - 1).clip(min=0)  # a run of few entries ends with undefined ones
         for when, end in (("initial", values.isel({along: 0})), ("final", values.isel({along: last}))):

@@ -64,11 +64,9 @@ class Store:
             with FileLock(self.work / "prepare.lock", timeout=_PATIENCE):  # creating a group is no single act
                 self._create_and_clear()
         except Timeout as error:
+            got = f"{self.directory}, which another process has been preparing for {_PATIENCE:g} s"
             raise InputError(
-                "campaign",
-                expected="a folder that is free",
-                got=f"{self.directory}, which another process has been preparing for {_PATIENCE:g} s",
-                advice="ending that process",
+                "campaign", expected="a folder that is free", got=got, advice="ending that process"
             ) from error
 
     def _create_and_clear(self) -> None:
@@ -230,12 +228,8 @@ def _check(sound: object) -> None:
 
 
 def _damage(place: Path, part: str, fault: str = "is damaged") -> InputError:
-    return InputError(
-        "campaign",
-        expected="runs as they were written",
-        got=f"{place}, which {fault}",
-        advice=f"removing {part}, and the same sweep again",
-    )
+    expected, advice = "runs as they were written", f"removing {part}, and the same sweep again"
+    return InputError("campaign", expected=expected, got=f"{place}, which {fault}", advice=advice)
 
 
 def _write_group(folder: Path, identity: str, outcome: Outcome, seconds: float) -> None:

@@ -18,7 +18,7 @@ from asperity.analysis.aging import summary_of
 from asperity.analysis.rows import history_rows
 from asperity.app.campaign.plan import Plan, Run, load_plan, name_of
 from asperity.app.campaign.store import Store
-from asperity.app.config import RunConfig, config_from
+from asperity.app.config import RunConfig, config_from, to_toml
 from asperity.app.config.python import to_python
 from asperity.app.explore.scene import Arrays, Header, Recording, ending, pictured, recorded
 from asperity.app.runs import Outcome, recorded_times
@@ -146,7 +146,8 @@ def _shown(
     title = printable(title)
     if config is not None and config.asked in PICTURED:
         outcome = PICTURED[config.asked](config, dataset, ())
-        return Recording(job, end=pictured(outcome, title, rows or words_of(outcome.rows()))), config
+        shown = rows or words_of(outcome.rows())
+        return Recording(job, end=pictured(outcome, title, shown, to_toml(config))), config
     recording = recorded(dataset, config, job=job, title=title)
     if rows is None:  # a saved history, a run of a campaign, or a folder of a version that kept none
         law = None if config is None else height_law(config.surface)

@@ -291,7 +291,7 @@ def ending(dataset: xr.Dataset, rows: Iterable[tuple[str, str]]) -> Header:
     return {"kind": "done", "limit": limit_row, "rows": list(rows)}
 
 
-def pictured(outcome: Outcome, title: str, rows: Iterable[tuple[str, str]]) -> Header:
+def pictured(outcome: Outcome, title: str, rows: Iterable[tuple[str, str]], toml: str) -> Header:
     """Header of the message that is an answer without a contact that ages: its figure, table and rows."""
     (draw, *_), (table, *_) = outcome.drawings().values(), outcome.tables().values()
     stream = BytesIO()
@@ -300,7 +300,7 @@ def pictured(outcome: Outcome, title: str, rows: Iterable[tuple[str, str]]) -> H
         "kind": "answer",
         "title": title,
         "config": json_tables(outcome.config),
-        "toml": to_toml(outcome.config),
+        "toml": toml,
         "picture": stream.getvalue().decode(),
         "table": table.to_csv(index=False, lineterminator="\n"),
         "rows": list(rows),
@@ -340,12 +340,10 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
     lengths = "contact_area" in dataset
     series = [name for name in (*_SERIES, *_ends(dataset)) if name in dataset]
     columns = ["time", "leg", *series, *_MADE]
-    shown = {name: _SERIES[name] for name in areas_first(_SERIES) if name in series} | _MADE | _PATCHES
-    more = _PATCHES | _MADE
+    more = _MADE | _PATCHES
+    shown = {name: _SERIES[name] for name in areas_first(_SERIES) if name in series} | more
     unit = {name: str(dataset[name].attrs.get("units", "1")) for name in ("time", "heights", *series)}
-    pressure = f"{unit['load']} / site"
-    if lengths:
-        pressure = str(dataset["mean_contact_pressure"].attrs["units"])
+    pressure = dataset["mean_contact_pressure"].attrs["units"] if lengths else f"{unit['load']} / site"
     area = unit["contact_area" if lengths else "area"]
     column_units = unit | {
         name: area if one.dimension == "sites" else one.dimension for name, one in more.items()

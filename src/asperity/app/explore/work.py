@@ -110,9 +110,8 @@ def _computed(tell: Tell, config: RunConfig, shown: Shown, title: str) -> Header
         outcome = answer(config, teller)
         rows = [*outcome.rows(), Row("cost", f"{perf_counter() - begun:.1f} s"), *remarks(*outcome.remarks)]
         if config.asked in PICTURED:
-            outcome = replace(outcome, config=_renamed(outcome.config, shown, 0))
-            toml = to_toml(_renamed(outcome.config, shown, 1))
-            return pictured(outcome, title, words_of(rows)) | {"toml": toml}
+            page, user = (_renamed(outcome.config, shown, which) for which in (0, 1))
+            return pictured(replace(outcome, config=page), title, words_of(rows), to_toml(user))
     except BrokenPipeError:
         raise
     except Exception as error:  # said to the user, in the page
