@@ -85,6 +85,7 @@ class ConstantArea:
         """Longest next step, so that the load changes little."""
         if self.since == 0 or self.growth == 0:
             return math.inf
+        # At most 50, as expm1 would overflow where hardly anything grows.
         lapse = min(max(TUNING.largest_change / abs(self.growth), TUNING.lapse), 50.0)
         return (self.time + self.since) * math.expm1(lapse)
 

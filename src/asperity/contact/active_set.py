@@ -167,6 +167,7 @@ class _Run:
             xp.asarray, (problem.stiffness, problem.rhs, problem.heights)
         )
         self.working_stiffness = xp.zeros(0, dtype=xp.int8)
+        # Without wave vector 0: springs of the rigid body may be stiffer than any wave.
         waves = problem.stiffness.flat[min(1, problem.stiffness.size - 1) :]
         self.stiffest = float(waves.max())
         named = guess.in_contact
@@ -276,7 +277,8 @@ class _Run:
                 "try ActiveSet(max_iterations=...) with more, or heights with less dynamic range"
             )
         acceptable = max(self.tolerance * self.load / self.touching, self.rounding)
-        # What is small already may have to be smaller still, as the sum of many forces moves the load.
+        # What is small already may have to be smaller still, as the sum of many forces moves the load; half
+        # of what is acceptable, as forces evaluated anew are not quite those predicted.
         goal = min(TUNING.reduction, max(target, 0.5 * acceptable) / self.worst)
         if self.single:
             goal = max(goal, TUNING.digits)
@@ -286,7 +288,7 @@ class _Run:
         self.u += correction.displacement
         self.fresh = False
         self.force, self.worst, self.imbalance = correction.force, correction.worst, correction.imbalance
-        self.iterations += max(1, correction.iterations)
+        self.iterations += max(1, correction.iterations)  # so that what rounding stops at once ends as well
 
     def linear_problem(self) -> FreeSites:
         """The linear problem on the present set of contacts, in the present precision."""
@@ -368,6 +370,7 @@ class _Run:
         if self.pull is None or wrong > TUNING.steady * self.contacts:
             return 0  # else it is revised with the contacts, in half the time of one after the other
         before, self.pull, self.attracted_anew = self.pull, self.attraction(), True
+        # Another problem: what went round in circles before says nothing about it.
         self.revisions, self.record, self.patience = 0, self.problem.lattice.sites + 1, TUNING.patience
         return int(self.xp.count_nonzero(self.pull != before))
 
@@ -393,6 +396,7 @@ class _Run:
         return self.within_tolerance() and not bool(self.xp.any(self.wrong_sites()))
 
     def solution(self) -> Solution:
+        # Where an error is allowed, a few free sites may still penetrate.
         u = self.xp.maximum(self.u, self.heights) if self.allowed_error else self.u
         touching = to_numpy(self.in_contact | self.yielding)
         return Solution(to_numpy(u), touching, self.iterations, self.set_changes)

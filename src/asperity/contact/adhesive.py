@@ -85,6 +85,7 @@ def _few(before: Field, pull: Field, gap: Field, law: Adhesion) -> Field:
     Where edges are not free, a site that pulls lifts others: sites that change together are too many. A share
     of 0.001 to 0.1 gives the same path.
     """
+    # Of a smooth law every site changes a little: that is no jump.
     jumps = np.abs(pull - before) > np.abs(pull - before).max() / 2
     most = max(1, int(TUNING.share * np.count_nonzero(jumps)))
     if not math.isfinite(law.reach) or np.count_nonzero(jumps) == most:

@@ -133,6 +133,7 @@ class _Kernel:
         )
         long = lattice.long_waves(stiffness, self.coarse) / unit
         long = inverse(long) - self._long_waves(near)
+        # A cubic B-spline has the modes sinc^4, and forces pass one to the lattice and one back.
         for angle in self.coarse.angles:
             long /= np.sinc(angle / (2 * np.pi)) ** 8
         self.long: Vector = (long * (self.coarse.sites / lattice.sites)).astype(np.float32)
@@ -230,7 +231,7 @@ class _CloseSites:
                 residual -= shift * on
                 estimate -= shift * even
             previous, slope = slope, inner(residual, estimate, np)
-            goal = goal or slope * TUNING.solved**2
+            goal = goal or slope * TUNING.solved**2  # slopes are squares of the error in that norm
             if not slope > goal:
                 return
             direction = estimate if direction is None else estimate + np.float32(slope / previous) * direction
