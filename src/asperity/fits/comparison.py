@@ -132,6 +132,12 @@ def neighbors(residual: Floats) -> tuple[float, float]:
     return rho, min(1.0, (1 - rho) / (1 + rho))
 
 
+def independent(residual: Floats) -> tuple[float, float]:
+    """The same; all values are independent if neighbors correlate no more than those of white noise may."""
+    rho, worth = neighbors(residual)
+    return rho, worth if rho > 2 / math.sqrt(residual.size) else 1.0
+
+
 def _verdict(delta: float, fit: SaturationFit, last: float, excess: float) -> Verdict:
     if delta > -2 * math.log(UNLIKELY):
         return "saturation"

@@ -70,8 +70,8 @@ class Misfit:
         initial, K = np.linalg.lstsq(np.column_stack([ones, growth]), y)[0]
         return np.concatenate([[np.log(K)], shape[1:], [initial]]) if K > 0 and initial > 0 else None
 
-    def polished(self, start: Floats, bounds: Floats) -> tuple[float, Floats] | None:
-        """Cost and place of the minimum from a start; None if the search fails."""
+    def polished(self, start: Floats, bounds: Floats) -> Any:
+        """The minimum from a start; None if the search fails."""
         low, high = bounds
         margin = 1e-6 * (high - low)  # the search must begin inside
         for change, steps in STOP:
@@ -87,7 +87,7 @@ class Misfit:
                 max_nfev=steps,
             )
             if minimum.success:
-                return float(minimum.cost), np.asarray(minimum.x)
+                return minimum
             start = minimum.x
         return None
 
@@ -143,13 +143,12 @@ def fit_law(
     if not starts:
         raise InputError("area", expected="an area that grows with time", got="no growing law near the data")
     starts.sort(key=rough.cost)
-    minima = [minimum for start in starts[:POLISHED_STARTS] if (minimum := rough.polished(start, bounds.T))]
-    best = min(minima, key=lambda minimum: minimum[0], default=None)
-    if best and many:
-        best = whole.polished(best[1], bounds.T)
-    if not best:
+    best = least_of(starts[:POLISHED_STARTS], lambda start: rough.polished(start, bounds.T))
+    if best is not None and many:
+        best = whole.polished(best.x, bounds.T)
+    if best is None:
         raise ConvergenceError("fit: no starting point led to a minimum; try more points, or the other law")
-    theta, y, stderr = best[1], curve.points.y, curve.points.stderr
+    theta, y, stderr = best.x, curve.points.y, curve.points.stderr
     weighted = whole.residual(theta)
     residual = weighted / whole.weight
     variance = float(weighted @ weighted) / (y.size - theta.size) if stderr is None else 1.0
@@ -160,6 +159,12 @@ def fit_law(
         initial=1.0 if curve.initial_known else float(theta[-1]),
         quality={"rms_residual": rms(residual / y)} | quality(residual, y, stderr, theta.size),
     )
+
+
+def least_of(starts: Iterable[Floats], polished: Callable[[Floats], Any]) -> Any:
+    """The least of the minima, as scipy gives them, from several starts; None if every search gives None."""
+    minima = [minimum for start in starts if (minimum := polished(start)) is not None]
+    return min(minima, key=lambda minimum: float(minimum.cost), default=None)
 
 
 def inverse_square(jacobian: Floats) -> Floats:

@@ -79,7 +79,9 @@ def _toml(laws: StateLaws, law: StateLaw) -> str:
         parameters["normal_stress"] = float(laws.record.normal_stress)
     tables: dict[str, dict[str, object]] = {
         "parameters": {"law": law, **parameters},
-        "intervals_95": {name: [float(x.low), float(x.high)] for name, x in estimates[law].items()},
+        f"intervals_{laws.fits[law].level.removesuffix(' %').replace(' ', '_')}": {
+            name: [float(x.low), float(x.high)] for name, x in estimates[law].items()
+        },
         "units": {name: units.get(name, "1") for name in parameters},
         "laws": {"verdict": laws.verdict, "ln_ratio_of_squares": float(laws.log_ratio.value), **values},
         "origin": _origin(laws),

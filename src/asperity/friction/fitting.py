@@ -17,7 +17,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,8 +27,8 @@ from asperity.base import checks, units
 from asperity.base.checks import Floats
 from asperity.base.words import has_unit
 from asperity.errors import InputError
-from asperity.fits.comparison import ROUNDING, neighbors
-from asperity.fits.search import inverse_square
+from asperity.fits.comparison import ROUNDING, independent
+from asperity.fits.search import inverse_square, least_of
 from asperity.friction.events import Event, Events, events_of, rows_of
 from asperity.friction.laws import (
     StateLaw,
@@ -219,11 +219,9 @@ class _Problem:
         many, states = _STARTS
         starts = [np.array([D_c, state]) for D_c in np.linspace(low, high, many) for state in states]
         starts.sort(key=lambda shape: float(np.sum(misfit(shape) ** 2)))
-        minima = [
-            least_squares(misfit, start, bounds=bounds, ftol=1e-12, xtol=1e-9, gtol=1e-12)
-            for start in starts[:_POLISHED]
-        ]
-        return np.asarray(min(minima, key=lambda minimum: float(minimum.cost)).x)
+        how: dict[str, Any] = {"bounds": bounds, "ftol": 1e-12, "xtol": 1e-9, "gtol": 1e-12}
+        best = least_of(starts[:_POLISHED], lambda start: least_squares(misfit, start, **how))
+        return np.asarray(best.x)
 
     @cached_property
     def _unit(self) -> float:
@@ -241,8 +239,8 @@ class _Problem:
         ]
         jacobian = np.column_stack([self.columns(shape), *slopes])
         n, squares, friction = residual.size, float(residual @ residual), self.record.friction[self.used]
-        rho, worth = neighbors(residual)
-        effective = n * worth if rho > 2 / math.sqrt(n) else float(n)
+        rho, worth = independent(residual)
+        effective = n * worth
         covariance = squares / (n - self.count) * n / effective * inverse_square(jacobian)
         D_c = math.exp(shape[0])
         values = {"mu_0": float(mu_0), "b": float(b)} | ({"a": float(a)} if rest else {}) | {"D_c": D_c}

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.base.checks import Floats
-from asperity.fits.comparison import neighbors
+from asperity.fits.comparison import independent
 from asperity.fits.search import inverse_square
 from asperity.friction.laws import StateLaw
 from asperity.friction.loading import Drive
@@ -192,8 +192,7 @@ class Machine:
         statistics, about = list(self.noise), [(0.0, 1.0), (0.0, 1.0)]
         for kind, part in enumerate((friction, np.concatenate([[], *places]))):
             if part.size > point.size + 2:
-                rho, worth = neighbors(part)
-                about[kind] = rho, worth if rho > 2 / math.sqrt(part.size) else 1.0
+                about[kind] = independent(part)
                 mean = float(part @ part) / (part.size - point.size - 2) / about[kind][1]
                 statistics[kind] *= max(math.sqrt(mean), 1e-6)
         return replace(self, noise=(statistics[0], statistics[1])), *about[0]

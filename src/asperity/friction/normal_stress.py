@@ -52,6 +52,7 @@ class NormalStress:
         hats = np.column_stack([np.interp(time, places, hat) for hat in np.eye(places.size)])
         steady = friction[time <= np.append(kinks, places[1]).min()]
         value = np.asarray(np.linalg.lstsq(hats, values)[0], float)
+        # Anywhere between the middles of two rows: the standard deviation of an even distribution.
         gaps = np.gradient(time)[sorted(nodes)]
         gaps[[0, -1]] = 0.0
         return cls(places, value, float(steady.mean()), gaps / math.sqrt(12))

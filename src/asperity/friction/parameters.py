@@ -101,6 +101,15 @@ class RateAndStateFit(FitResult):
         return estimates
 
     @property
+    def level(self) -> str:
+        """How often its intervals hold the truth.
+
+        The times at which a normal stress turns are known to a row. Intervals are for errors that are
+        independent for each; the true ones are smaller, as rows within a ramp tell some of them.
+        """
+        return "at least 95 %" if self.alpha_stderr else "95 %"
+
+    @property
     def determined(self) -> bool:
         """Whether the record determines D_c to a factor of about three."""
         return not self.at_edge and self.D_c_stderr < self.D_c

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from asperity.base.checks import Floats
+from asperity.fits.search import least_of
 from asperity.friction.machine import Machine
 from asperity.friction.slider import RunsAwayError
 
@@ -45,12 +47,12 @@ def solve(machine: Machine) -> tuple[Machine, Floats, tuple[int, ...], tuple[flo
     starts = every[:_POLISHED]
     # First with measured kinks, as friction of a stiff machine jumps there from row to row; then with free
     # kinks, as measured ones may be wrong.
-    tried = [minimum for start in starts if (minimum := _polished(machine, start, _FIRST, count))]
-    points = [point for _, point in sorted(tried, key=lambda minimum: minimum[0])[:1]] + starts[:1]
-    tried = [minimum for point in points if (minimum := _polished(machine, point, _FREE, point.size))]
-    if not tried:
+    held = least_of(starts, lambda start: _polished(machine, start, _FIRST, count))
+    points = [*([] if held is None else [held.x]), *starts[:1]]
+    best = least_of(points, lambda point: _polished(machine, point, _FREE, point.size))
+    if best is None:
         raise RunsAwayError
-    point, released = min(tried, key=lambda minimum: minimum[0])[1], set[int]()
+    point, released = best.x, set[int]()
     for _ in range(_ROUNDS):
         off = np.abs(point[count:] - machine.drive.kinks) / machine.drive.spread > _RELEASED
         released |= set(np.flatnonzero(machine.measured & off).tolist())
@@ -61,7 +63,7 @@ def solve(machine: Machine) -> tuple[Machine, Floats, tuple[int, ...], tuple[flo
             break
         machine = replace(machine, measured=machine.measured & ~off)
         best = _polished(machine, point, _LAST, point.size)
-        point = point if best is None else best[1]
+        point = point if best is None else best.x
         if np.allclose(last.noise, machine.noise, rtol=_SETTLED) and not off.any():
             break
     return machine, point, tuple(sorted(released)), tuple(sorted(machine.shape(start).D_c for start in every))
@@ -113,8 +115,8 @@ def _stiffness_seen(machine: Machine) -> float:
     return max(least, float(np.median(slopes[True] or slopes[False] or [least])))
 
 
-def _polished(machine: Machine, start: Floats, evaluations: int, many: int) -> tuple[float, Floats] | None:
-    """Cost and place of the minimum from a start, over its first `many` numbers; None in stick-slip."""
+def _polished(machine: Machine, start: Floats, evaluations: int, many: int) -> Any:
+    """The minimum from a start, over its first `many` numbers; None in stick-slip."""
     low, high = machine.bounds
     margin = 1e-9 * (high - low)
     start = np.clip(start, low + margin, high - margin)
@@ -141,4 +143,5 @@ def _polished(machine: Machine, start: Floats, evaluations: int, many: int) -> t
         )
     except RunsAwayError:
         return None
-    return float(minimum.cost), np.concatenate([minimum.x, start[many:]])
+    minimum.x = np.concatenate([minimum.x, start[many:]])
+    return minimum

@@ -13,7 +13,7 @@ from scipy.stats import chi2
 from asperity.base import views
 from asperity.base.checks import Floats
 from asperity.errors import InputError
-from asperity.fits.comparison import UNLIKELY, lack_of, neighbors, price_of
+from asperity.fits.comparison import UNLIKELY, independent, lack_of, price_of
 from asperity.fits.result import rms
 from asperity.inference.leastsquares import best_fit
 from asperity.inference.models import Curve
@@ -97,8 +97,7 @@ class Rival(views.Brief):
     def misses(self) -> bool:
         """Whether the misfit is more than scatter: by chi-squared, or by the correlation of neighbors."""
         if not self.problem.informed:
-            certain = neighbors(self.misfit)[0] > 2 / math.sqrt(self.misfit.size)
-            return certain and self.scatter[1] > CORRELATED
+            return independent(self.misfit)[1] < 1 and self.scatter[1] > CORRELATED
         free = max(self.misfit.size - self.problem.rank, 1)
         return bool(chi2.sf(self.misfit @ self.misfit, free) < _MISFIT)
 
