@@ -112,7 +112,7 @@ class Grid:
         """What the sites of the next finer grid add up to here if each counts 1; inf where no site is."""
         sums = empty(self.sites, self.backend)
         self.backend.restrict(self.backend.packed(np.ones(self.finer[:2])), self.finer, sums)
-        return np.where(sums > 0, sums, np.float32(np.inf))
+        return np.where(sums > 0, sums, np.float32(np.inf))  # a division leaves 0 beside the sites
 
     @cached_property
     def areas(self) -> Field:

@@ -137,7 +137,7 @@ def products_1(eq: One, coarse: Single, previous: Single, sums: Field) -> None:
     d, q = np.zeros((2, 2, width), np.float32), np.zeros((2, 2, width), np.float32)
     line = np.zeros((2, width), np.float32)
     for i in range(ny + 1):
-        row = i if i < ny else neighbors(ny - 1, sites)[1]
+        row = i if i < ny else neighbors(ny - 1, sites)[1]  # products of a row need the row below it
         now = i % 2
         interpolate_row(coarse, row, sites, line)
         off_contact(line, e[row], bound[row], sites, d[now])

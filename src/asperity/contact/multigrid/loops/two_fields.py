@@ -176,7 +176,7 @@ def cycle_2(
     last, lead = ny - odd, 1 if correcting else 0
     margin = lead + 2
     done, resumed, rows = (margin + 2) // 2, (last - margin) // 2, (ny + 1) // 2
-    if done >= resumed:
+    if done >= resumed:  # so few rows that the wave never runs full: all are restricted after it
         done = resumed = rows
     latest = -2
     for front in range(ny + 1):
