@@ -401,7 +401,7 @@ def test_whole_files_of_another_kind_are_not_called_damaged():
 
 def test_heights_without_a_unit_are_given_that_of_the_file(tmp_path):
     np.savetxt(tmp_path / "scan.txt", H)
-    with refuses("unit", "heights without a unit", advice="file_unit='um'") as refused:
+    with refuses("unit", "heights without a unit", advice="file_unit='um'"):
         read(tmp_path / "scan.txt", unit="um", tilt="none")
-    surface = read(tmp_path / "scan.txt", unit="um", tilt="none", **refused.value.cure)
+    surface = read(tmp_path / "scan.txt", unit="um", tilt="none", file_unit="um")
     np.testing.assert_allclose(surface.heights, H)
