@@ -49,9 +49,8 @@ def command(
             # The library would find all flags once more to say this.
             usage = f"Usage: asperity {command.__name__} [OPTIONS] {words.upper()}"
         of.command(command, name=name, usage=usage)
-        if (
-            sections
-        ):  # words, which are read when the command is used: only after it was added, which reads all
+        if sections:
+            # Words, which are read when the command is used: to add it would read all at once.
             vars(sys.modules[command.__module__])["flags_for"] = flags_for
             command.__annotations__["keys"] = f"flags_for{sections} | None"
         return command

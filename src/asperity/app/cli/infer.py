@@ -259,13 +259,14 @@ def _curve(
 def _measurements(file: Path, how: dict[str, Any], model: str, quantity: str | None) -> Measurements:
     """Read the values of a model; `InputError` with another model for the values that there are."""
     from asperity.fits import read_measurements
-    from asperity.inference.indenting import is_record
 
-    asked = {name: how[name] for name in ("columns", "time", "value")}
-    if model == "ball" and not any(asked.values()) and is_record(file):
-        expected = "the radius of the ball, for a record of depth and force"
-        advice = "--columns TIME DEPTH, for depths under a constant load"
-        raise InputError("--radius", expected=expected, got="none", cure={"radius": "10um"}, advice=advice)
+    if model == "ball" and not any(how[name] for name in ("columns", "time", "value")):
+        from asperity.inference.indenting import is_record  # with the engine
+
+        if is_record(file):
+            expected = "the radius of the ball, for a record of depth and force"
+            advice, cure = "--columns TIME DEPTH, for depths under a constant load", {"radius": "10um"}
+            raise InputError("--radius", expected=expected, got="none", cure=cure, advice=advice)
     wanted: Any = {
         "ball": quantity or ("depth", "radius", "area"),
         "healing": ("friction", "area"),
