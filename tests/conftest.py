@@ -1,8 +1,11 @@
 """Property tests draw the same examples every time: more in the slow suite, others where it is asked for."""
 
 import os
+from copy import copy
 
 import pytest
+from cyclopts import App
+from cyclopts.argument import ArgumentCollection
 from hypothesis import settings
 
 settings.register_profile("same", derandomize=True)
@@ -16,6 +19,26 @@ def _no_wait_for_the_disk():
     """What is written is flushed, but not waited for: here the machine does not fail meanwhile."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(os, "fsync", lambda _: None)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _parameters_read_once():
+    """Read the parameters of each command once, not twice a call: it takes longer than the rest."""
+    read, known = App.assemble_argument_collection, {}
+
+    def remembered(of, **how):
+        key = (of.default_command, *sorted(how.items()))
+        if key not in known:
+            known[key] = read(of, **how)
+        mine = {id(argument): copy(argument) for argument in known[key]}
+        for argument in mine.values():
+            argument.tokens = []
+            argument.children = ArgumentCollection(mine[id(child)] for child in argument.children)
+        return ArgumentCollection(mine.values())
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(App, "assemble_argument_collection", remembered)
         yield
 
 

@@ -7,15 +7,11 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import nullcontext
-from copy import copy
 from pathlib import Path
-from typing import Any
 
 import pytest
-from cyclopts import App
-from cyclopts.argument import ArgumentCollection
 
 from asperity.app.cli import main
 from asperity.prediction import Prediction
@@ -34,26 +30,6 @@ def remarks(text: str, name: str = "remark") -> int:
     for one in found:
         told(one)
     return len(found)
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _parameters_read_once() -> Iterator[None]:
-    """Read the parameters of each command once, not twice a call: it takes longer than the rest."""
-    read, known = App.assemble_argument_collection, dict[tuple[Any, ...], ArgumentCollection]()
-
-    def remembered(of: App, **how: Any) -> ArgumentCollection:
-        key = (of.default_command, *sorted(how.items()))
-        if key not in known:
-            known[key] = read(of, **how)
-        mine = {id(argument): copy(argument) for argument in known[key]}
-        for argument in mine.values():
-            argument.tokens = []
-            argument.children = ArgumentCollection(mine[id(child)] for child in argument.children)
-        return ArgumentCollection(mine.values())
-
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(App, "assemble_argument_collection", remembered)
-        yield
 
 
 Asperity = Callable[..., tuple[int, str, str]]
