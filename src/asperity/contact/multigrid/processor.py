@@ -73,21 +73,17 @@ class Processor:
 
     # Fields.
 
-    @np.errstate(over="ignore")  # what single precision does not hold becomes inf, and no cycle converges
     def packed(self, field: NDArray[np.floating]) -> Single:
         """A field, rows in order, in this layout; images are those of the other ends of rows."""
         ny, nx = field.shape
-        half = (nx + 1) // 2  # a loop for this, used rarely, would take a twentieth of compiling for a press
-        out = np.zeros((ny, 2, half + 1), np.float32)
-        out[:, 0, :half], out[:, 1, 1 : nx // 2 + 1] = field[:, ::2], field[:, 1::2]
-        out[:, 1, 0], out[:, nx % 2, half] = field[:, -1], field[:, 0]
+        out = np.zeros((ny, 2, (nx + 1) // 2 + 1), np.float32)
+        rows.part_rows(field, Sites(ny, nx, False), out)
         return out
 
     def unpacked(self, field: Single, sites: Sites) -> Field:
         """A field, rows in order, in double precision."""
-        nx = sites.columns
-        out = np.empty((sites.rows, nx))
-        out[:, ::2], out[:, 1::2] = field[:, 0, : (nx + 1) // 2], field[:, 1, 1 : nx // 2 + 1]
+        out = np.empty((sites.rows, sites.columns))
+        rows.join_rows(field, out)
         return out
 
     def total(self, field: Single, sites: Sites) -> float:

@@ -134,6 +134,21 @@ def join(row: Any, line: Any) -> None:
 
 
 @compiled
+def part_rows(field: Any, sites: Sites, out: Single) -> None:
+    """Rows in order, parted, with images."""
+    for i in range(sites.rows):
+        part(field[i], out[i])
+        wrap(out[i], sites)
+
+
+@compiled
+def join_rows(field: Single, out: Any) -> None:
+    """Parted rows, in order."""
+    for i in range(field.shape[0]):
+        join(field[i], out[i])
+
+
+@compiled
 def total(field: Single, columns: int, out: Field) -> None:
     """Sums of parted rows."""
     for i in range(field.shape[0]):
