@@ -419,6 +419,11 @@ def test_names_say_the_order_of_columns_that_are_chosen():
     data = read(written("time_s;E_MPa", FALLING), columns="1 0")
     assert isinstance(data, Relaxation)
     np.testing.assert_allclose(data.modulus, 1e6 * FALLING[:, 1])
+    twice = written("time_s;E_MPa;E of the second (MPa)", np.insert(FALLING, 2, 1.0, axis=1))
+    with refuses("t.csv", "columns 'time_s', 'E_MPa', 'E of the second (MPa)'"):
+        read(twice, columns="0 1 2")
+    with refuses("columns", "0 1 2"):
+        read(twice, columns="0 1 2", kind="relaxation")
     file = written("time_s;J (1/GPa);E (GPa)", np.insert(FALLING, 1, 1 / FALLING[:, 1], axis=1))
     with refuses("t.csv", "columns 'time_s', 'J (1/GPa)', 'E (GPa)'", advice="kind='relaxation'"):
         read(file)

@@ -157,14 +157,15 @@ def _chosen(columns: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind
         for at, role in zip(plain, ("storage", "loss"), strict=False):
             roles[at] = role
     if ordered or (kind is not None and not any(table.names)):
-        asked = {roles[at]: at for at in columns.chosen}
-        chosen = kind or next((name for name, order in wanted.items() if {*order} == {*asked}), None)
+        asked = [roles[at] for at in columns.chosen]
+        named_so = [name for name, order in wanted.items() if sorted(order) == sorted(asked)]
+        chosen = kind or next(iter(named_so), None)
         if chosen is None:
             raise _unclear(columns, cure={"kind": "dynamic" if len(columns.chosen) == 3 else "relaxation"})
         count = len(wanted[chosen])
         places = columns.chosen if ordered else columns.chosen[:count]
-        if {*wanted[chosen]} == {*asked}:  # their names say which is which
-            places = [asked[role] for role in wanted[chosen]]
+        if named_so:  # their names say which is which
+            places = [columns.chosen[asked.index(role)] for role in wanted[chosen]]
         if len(set(places)) != count or len(places) != count:
             expected = f"{count} different ones: {', '.join(wanted[chosen])}"
             raise InputError("columns", expected=expected, got=" ".join(map(str, places)))
