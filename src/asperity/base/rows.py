@@ -27,8 +27,8 @@ class Row:
     brief: bool = False
     """Whether a card shows it, too."""
     error: float = 0.0
-    level: str = "95 %"
-    """How often such intervals hold the truth."""
+    at_least: bool = False
+    """Whether such intervals hold the truth in 95 % of cases or more, not in just as many."""
 
     def words(self, spelled: Callable[[str], str] = str) -> str:
         """Value, interval and note; `spelled` formats a plain "2 um" for a medium."""
@@ -42,11 +42,8 @@ class Row:
         number, *ends = to_error([factor * one for one in (self.value, low, high)], error)
         number = uncertain(factor * self.value, error) if self.error else number
         between = UNKNOWN if math.isnan(low) else " to ".join(ends)
-        return (
-            spelled(f"{number} {unit}".rstrip())
-            + f" ({self.level}: {between})" * bool(self.interval)
-            + self.note
-        )
+        ends_in_words = f" ({'at least ' * self.at_least}95 %: {between})" * bool(self.interval)
+        return spelled(f"{number} {unit}".rstrip()) + ends_in_words + self.note
 
 
 def words_of(rows: Iterable[Row]) -> list[tuple[str, str]]:

@@ -79,7 +79,7 @@ def _toml(laws: StateLaws, law: StateLaw) -> str:
         parameters["normal_stress"] = float(laws.record.normal_stress)
     tables: dict[str, dict[str, object]] = {
         "parameters": {"law": law, **parameters},
-        f"intervals_{laws.fits[law].level.removesuffix(' %').replace(' ', '_')}": {
+        f"intervals_{'at_least_' * laws.fits[law].at_least}95": {
             name: [float(x.low), float(x.high)] for name, x in estimates[law].items()
         },
         "units": {name: units.get(name, "1") for name in parameters},

@@ -101,13 +101,13 @@ class RateAndStateFit(FitResult):
         return estimates
 
     @property
-    def level(self) -> str:
-        """How often its intervals hold the truth.
+    def at_least(self) -> bool:
+        """Whether its intervals hold the truth in 95 % of cases or more.
 
         The times at which a normal stress turns are known to a row. Intervals are for errors that are
         independent for each; the true ones are smaller, as rows within a ramp tell some of them.
         """
-        return "at least 95 %" if self.alpha_stderr else "95 %"
+        return bool(self.alpha_stderr)
 
     @property
     def determined(self) -> bool:

@@ -121,7 +121,7 @@ def _law(laws: StateLaws, law: StateLaw) -> list[Row]:
             rows.append(Row(text, "not determined by this record"))
         else:
             ends = float(estimate.low), float(estimate.high)
-            rows.append(Row(text, value, unit, ends, error=float(estimate.stderr), level=fit.level))
+            rows.append(Row(text, value, unit, ends, error=float(estimate.stderr), at_least=fit.at_least))
     V_0 = written(fit.V_0, "m/s" if record.si else "1")
     return [*rows, Row("", f"at V_0 = {V_0}, misfit {100 * fit.rms_residual:.2g} % rms")]
 

@@ -86,7 +86,7 @@ def answer(arguments: list[str]) -> int:
 def _run(arguments: list[str]) -> int:
     try:
         try:
-            if arguments[:1] and arguments[0] in app and arguments[1:] == ["--help"]:
+            if arguments[:1] and arguments[0] in app and arguments[1:] in (["--help"], ["-h"]):
                 app.help_print(arguments[:1])  # at once: to parse it would find all flags of a command twice
             else:
                 app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
