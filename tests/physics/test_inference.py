@@ -3,7 +3,7 @@
 import math
 import os
 import re
-import time as clock
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -525,28 +525,40 @@ def test_a_force_at_a_held_depth_relaxes_in_two_times():
         asp.infer(time, force[::-1], model="held")
 
 
+@pytest.fixture
+def curves(monkeypatch) -> Counter[str]:
+    """How many curves of the model fits compute: what they take, on any machine."""
+    counted: Counter[str] = Counter()
+    original = Problem.curve
+
+    def curve(self, z):
+        counted["curves"] += len(z)
+        return original(self, z)
+
+    monkeypatch.setattr(Problem, "curve", curve)
+    return counted
+
+
 @measured
 @pytest.mark.slow
-def test_a_measured_hold_of_a_ball_takes_seconds():
+def test_a_measured_hold_of_a_ball_takes_seconds(curves):
     time, depth, _, segment = np.loadtxt(MEASURED / "afm_polymergel_hold.csv", delimiter=",", skiprows=2).T
     time, depth = time[segment == 1] - 3.0, 1e-6 * depth[segment == 1]
-    begun = clock.process_time()
     found = asp.infer(time, depth, model="ball", quantity="depth", absolute=True)
-    assert clock.process_time() - begun < 10
+    assert curves["curves"] < 250_000
     assert found.verdicts["modulus"].verdict == "not identified"
     assert any("misses the data" in remark for remark in found.remarks)  # steps of the piezo
 
 
 @pytest.mark.slow
-def test_thousands_of_rows_whose_neighbors_correlate_take_seconds():
+def test_thousands_of_rows_whose_neighbors_correlate_take_seconds(curves):
     time, series = np.linspace(0.01, 1000, 3000), asp.relaxation.PronySeries(1.0, ((0.3, 5.0), (0.2, 200.0)))
     random, noise = np.random.default_rng(3), np.zeros(3000)
     for n in range(1, 3000):
         noise[n] = 0.6 * noise[n - 1] + 0.8 * random.standard_normal()
     depth = 1e-6 * series.compliance_at(time) ** (2 / 3) * (1 + 0.002 * noise)
-    begun = clock.process_time()
     found = asp.infer(time, depth, model="ball", quantity="depth", branches=2, absolute=True)
-    assert clock.process_time() - begun < 30
+    assert curves["curves"] < 80_000
     assert found.problem.rho == pytest.approx(0.6, abs=0.05)
     assert found.problem.counted == pytest.approx(3000 / 4, rel=0.15)
     for name, truth in {"share_1": 0.3, "time_1": 5.0, "share_2": 0.2, "time_2": 200.0}.items():
