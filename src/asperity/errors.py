@@ -117,10 +117,11 @@ class InputError(AsperityError, ValueError):
         retold.name, retold.args = name, (text,)
         return retold
 
-    def about(self, name: str, *path: str | int) -> InputError:
-        """Return the same error about something else."""
-        facts = {key: getattr(self, key) for key in ("expected", "got", "advice", "cure", "said")}
-        return InputError(name, **facts, path=path or self.path)
+    def about(self, name: str, *path: str | int, keys: Mapping[str, str] | None = None) -> InputError:
+        """Return the same error about something else, its cure by the keys that set arguments."""
+        facts = {key: getattr(self, key) for key in ("expected", "got", "advice", "said")}
+        cure = {(keys or {}).get(name, name): value for name, value in self.cure.items()}
+        return InputError(name, **facts, cure=cure, path=path or self.path)
 
 
 def _joined(words: Words, spell: Spell) -> str:

@@ -433,11 +433,11 @@ def test_names_say_the_order_of_columns_that_are_chosen():
 @pytest.mark.parametrize("name", ["E x 10^3", "E·1e3", "E 10³", "E ×1000"])
 def test_a_power_of_ten_in_a_name_is_asked_for(name):
     """Axes of figures multiply by it, tables of numbers divide."""
-    with refuses(f"column '{name} [MPa]' of t.csv", "a power of ten in the name"):
+    with refuses(f"column '{name} [MPa]' of t.csv", "a factor in the name"):
         read(written(f"time_s;{name} [MPa]", FALLING), columns="0 1", kind="relaxation")
     data = read(written(f"time_s;{name} [MPa]", FALLING), columns="0 1", kind="relaxation", units="1=GPa")
     assert isinstance(data, Relaxation)
     np.testing.assert_allclose(data.modulus, 1e9 * FALLING[:, 1], rtol=1e-12)
     Path("t.csv").write_text("time_s,area x 1000\n1,2\n2,3\n")
-    with refuses("column 'area x 1000' of t.csv", "a power of ten in the name"):
+    with refuses("column 'area x 1000' of t.csv", "a factor in the name"):
         read_measurements("t.csv")

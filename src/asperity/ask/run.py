@@ -342,8 +342,11 @@ class RunConfig:
         ]
         for path, load in pressing:
             if load is not None and (load < 0 or (load == 0 and path != ("contact", "load"))):
-                cure = {"adhesion": "dugdale"} if load else {}
-                raise InputError(str(path[-1]), expected="more than 0", got=f"{load:g}", cure=cure, path=path)
+                recorded = bool(start_of(self.protocol))
+                cure = {"adhesion": "dugdale"} if load and not recorded else {}
+                advice = "loads less the one that is measured out of contact" if recorded else ""
+                facts: Any = {"got": f"{load:g}", "cure": cure, "advice": advice}
+                raise InputError(str(path[-1]), expected="more than 0", **facts, path=path)
 
     @property
     def written_out(self) -> list[Leg]:

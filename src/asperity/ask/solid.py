@@ -215,7 +215,7 @@ class Continuum(SolidSection):
             _ = self.of_table
         except InputError as error:
             key = (OF_TABLES | {"modulus": "modulus"}).get(error.name, "")
-            raise error.about(key or error.name, "solid", key or "relaxation") from None
+            raise error.about(key or error.name, "solid", key or "relaxation", keys=OF_TABLES) from None
 
     @property
     def of_table(self) -> Material | None:

@@ -23,7 +23,7 @@ _AVOGADRO = 6.02214076e23
 
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 # A product of units with exponents of one digit, and no more: Pint evaluates whatever it reads.
-_FACTOR = r"\(?(?:1(?=[ /])|[A-Za-zµμΩÅ°%]+(?:\^-?\d)?)\)?"
+_FACTOR = r"\(?(?:1(?=[ /]|$)|[A-Za-zµμΩÅ°%]+(?:\^-?\d)?)\)?"
 _UNIT = re.compile(rf"{_FACTOR}(?:(?: ?[*/] ?| ){_FACTOR}){{0,5}}")
 _EXPONENT = re.compile(r"(?<=[A-Za-zΩÅ])(?:\*\*)?(-?\d)")
 _TIMES = "s ms us µs μs ns min h d Hz mHz kHz MHz rad deg rpm"
@@ -35,13 +35,14 @@ _IN_WORDS = {
     "d": r"days?|tage?|jours?",
     "um": r"mic|microns?|mi[ck]romet(?:er|re)s?",
     "nm": r"nanomet(?:er|re)s?",
+    "%": r"percent|prozent|pourcent|pct",
 }
 _PREFIXES = {"": 1.0, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
 _BASES = {"s", "m", "N", "Pa", "J", "K", "W", "Hz", "ohm", "rad"}
 _WITHOUT_PREFIX = ("minute", "hour", "day", "week", "year")
 """Units that have no prefix, though Pint takes hh for hectohours."""
 
-_POWER = re.compile(r"10\^?(-?\d{1,2})(?:[ *]+(?=[A-Za-z1])|(?=/|$))")
+_POWER = re.compile(r"10(?:\^|(?=-))(-?\d{1,2})(?:[ *]+(?=[A-Za-z1])|(?=/|$))")
 _WORD = re.compile("[A-Za-zµμΩÅ]+")
 _EXAMPLES = {
     "Pa": "1 MPa",
@@ -199,6 +200,7 @@ def _converted(amount: float, unit: str, target: str) -> float | None:
     unit = unit.replace("⁻", "-").replace("¹", "1").replace("²", "2").replace("³", "3").replace("·", "*")
     unit = re.sub(r"\s*/\s*", "/", _EXPONENT.sub(r"^\1", unit).replace("Ohm", "ohm"))
     unit = re.sub("[µμu]ε|µstrain|microstrain", "10^-6", unit)
+    unit = re.sub("‰|per ?mille?|promille", "10^-3", unit)
     if power := _POWER.match(unit):
         amount, unit = amount * 10.0 ** int(power[1]), unit[power.end() :] or "1"
     unit = f"1{unit}" if unit.startswith("/") else unit

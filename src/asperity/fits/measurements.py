@@ -63,7 +63,7 @@ _ROLES = (
         "",
         "",
         r"load|\blast\b|press|druck|temp|humid|\brh\b|feucht|segment|cycle|volt|speed|residual"
-        r"|stiff|steif|raideur|conduct|leitw|resist|widerst|diamet|durchmesser",
+        r"|stiff|steif|raideur|conduct|leitw|resist|widerst|diamet|durchmesser|change|anderung|delta|δ",
     ),
     *_OF_VALUES.values(),
     Role("value", "", ""),
@@ -275,7 +275,7 @@ def _value(columns: Columns, time: int, taken: set[int], quantities: Sequence[st
     known = [columns.roles[at] for at in others if columns.roles[at] in _OF_VALUES and not named]
     if len(known) == 1 and set(quantities) < set(QUANTITIES[:-1]):
         cure = {"quantity": known[0]}
-    elif possible := [at for at in others if kinds[at] in {"", *wanted}]:
+    elif possible := [at for at in others if columns.roles[at] and kinds[at] in {"", *wanted}]:
         cure = {"columns": f"{time} {possible[0]}"}
     return _only(columns, called if len(called) == 1 else named or unnamed, what, cure)
 

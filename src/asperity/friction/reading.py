@@ -23,7 +23,7 @@ ROLES = (
     Role(
         "",
         "",
-        r"temp(?!s\b)|humid|feucht|\bstd|\berr|angle|winkel|thick|dicke|dilat|strain"
+        r"temp(?!s\b)|humid|feucht|\bstd|\berr|angle|winkel|thick|dicke|dilat|strain|change|anderung|delta|δ"
         r"|(^nor(m|mal)?\b|axial|verti[ck]al|normal|radial).*(disp|verschieb)|deplac.*(axial|vertical|normal)"
         r"|(load ?point|^lp)\b.*(vel|speed)",
     ),
@@ -130,14 +130,14 @@ def read_record(
     has_units = any(columns_read.unit(role) for role in ("time", *motions))
     time = columns_read.values("time", bare=not has_units)
     kept = _window(time, start, stop, columns_read.unit("time"))
-    moved = {role: columns_read.values(role, bare=not has_units)[kept] for role in motions}
+    moved = {role: _onward(role, columns_read.values(role, bare=not has_units)[kept]) for role in motions}
     how: dict[str, Any] = {"strength_at_rest": strength_at_rest, "si": has_units, "source": name}
     parts = [f"{kind} {ratios[0]}" for kind in ("shear", "normal")] if "friction" not in by_role else []
     bare = not any(map(columns_read.unit, parts))
     for part in ("normal stress", "normal force"):
         if part in parts or (part in by_role and columns_read.unit(part)):
             values, unit = columns_read.values(part, bare=bare)[kept], columns_read.unit(part)
-            how["normal"] = _changing(time[kept], values, part, unit, name)
+            how["normal"] = _changing(time[kept], values, part, unit, name, binary=isinstance(table, Table))
             how |= {part.replace(" ", "_"): float(values.mean())} if unit else {}
     if parts:
         shear, normal = (columns_read.values(part, bare=bare)[kept] for part in parts)
@@ -165,6 +165,12 @@ def _made(time: Floats, moved: dict[str, Floats], friction: Floats, how: dict[st
     return Record.of_machine(time, friction, **how)
 
 
+def _onward(role: str, values: Floats) -> Floats:
+    """Displacements or velocities above 0 in the direction of sliding."""
+    falls = values.max() <= 0 if role == "velocity" else values[-1] < values[0]
+    return -values if falls else values
+
+
 def _window(time: Floats, start: object, stop: object, unit: str) -> NDArray[np.bool_]:
     """Mask of the rows between two times."""
     factor = (si.factor(unit, "s") if unit else None) or 1.0
@@ -187,11 +193,14 @@ def _window(time: Floats, start: object, stop: object, unit: str) -> NDArray[np.
     return np.asarray(kept)
 
 
-def _changing(time: Floats, normal: Floats, quantity: str, unit: str, name: str) -> Floats | None:
+def _changing(
+    time: Floats, normal: Floats, quantity: str, unit: str, name: str, *, binary: bool
+) -> Floats | None:
     """A normal stress or force over its mean, if it changes by more than its noise; it must be above 0."""
     if normal.min() <= 0:
         scale = 1.0 if not unit else si.factor(unit, "Pa" if "stress" in quantity else "N") or 1.0
         got = f"{normal.min() / scale:.4g} to {normal.max() / scale:.4g} {unit}".strip()
-        advice = "a calibration with the zero of each column, in bits"
+        zero = "a calibration with the zero of each column, in bits" if binary else "a column less its zero"
+        advice = zero if normal.max() > 0 else "its negative, as what presses is above 0"
         raise InputError(name, expected=f"a {quantity} above 0", got=got, advice=advice)
     return normal / normal.mean() if changes(time, normal) else None

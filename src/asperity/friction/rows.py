@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from asperity.base import views
+from asperity.base.checks import Floats
 from asperity.base.readable import written
 from asperity.base.rows import Row, table_rows
 from asperity.base.words import counted, thousands, uncertain
@@ -15,6 +16,10 @@ from asperity.friction.events import Event
 from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.friction.parameters import MISSES, MachineFit, RateAndStateFit
 from asperity.friction.records import Record
+
+
+_FELT = 0.01
+"""Least step of a recorded friction that matters, over a and b."""
 
 
 @views.defines(StateLaws.rows)
@@ -43,7 +48,18 @@ def rows_of(laws: StateLaws, /, first: str = "") -> list[Row]:
         text += f"{fit.autocorrelation:.2f}, so that the values count as {fit.effective_points:.0f}"
         text += "" if isinstance(fit, MachineFit) else "; records of several surfaces give better intervals"
         rows.append(Row("note", text))
+    felt = max(float(np.std(fit.residual)), _FELT * max(abs(fit.a), abs(fit.b)))
+    if laws.runs == 1 and (step := _step(record.friction)) > felt:
+        text = f"friction is recorded in steps of {step:.2g}, more than the {fit.law} law misses it by"
+        rows.append(Row("note", f"{text}: a, b and D_c may err by more than their intervals"))
     return rows
+
+
+def _step(friction: Floats) -> float:
+    """The step of which all values are multiples; 0 without one."""
+    values = np.unique(friction)
+    step = float(np.diff(values).min()) if values.size > 1 else 0.0
+    return step if step and np.allclose(values / step, np.round(values / step), rtol=0, atol=1e-3) else 0.0
 
 
 def _machine(laws: StateLaws) -> list[Row]:

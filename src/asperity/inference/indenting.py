@@ -108,7 +108,7 @@ class Indentation(views.Brief):
         t, d, F = checks.line("time", time), checks.line("depth", depth), checks.line("force", force)
         _check_rows(t, d, F)
         at = None if contact in (None, "fit") else float(si.number("contact", contact, "m"))
-        rest, presses = _pressing(F)
+        rest, presses = _pressing(d, F)
         F, rest = presses * F, presses * rest
         _check_contact(F, rest)
         down = _downward(d, F - rest)
@@ -189,16 +189,30 @@ def noise(values: Floats) -> float:
     return float(1.4826 * np.median(np.abs(np.diff(values, 2))) / np.sqrt(6))
 
 
-def _pressing(F: Floats) -> tuple[float, float]:
-    """Force at rest, and the sign of forces that press: a machine presses before it pulls."""
-    if np.ptp(F) < np.abs(np.median(F)):  # a hold only
-        return 0.0, float(np.sign(np.median(F)))
-    rest = float(np.median(F[: max(3, F.size // 20)]))
-    if abs(F[0]) > 0.5 * np.abs(F).max():  # begins in contact
-        rest = 0.0
-    away = F - rest
-    first = int(np.argmax(np.abs(away) > 0.2 * np.abs(away).max()))
-    return rest, float(np.sign(away[first]))
+def _pressing(d: Floats, F: Floats) -> tuple[float, float]:
+    """Force at rest, and the sign of forces that press: before the depth turns, these are the largest."""
+    rows = max(3, F.size // 20)
+    rest, turn = float(np.median(F[:rows])), _turn(d)
+    away = np.abs(F - rest)
+    # A force that stays while the depth moves, and changes before this turns, is none of contact.
+    stays = np.ptp(F[:rows]) <= _NOISE * noise(F) and np.ptp(d[:rows]) > _NOISE * noise(d)
+    if not (stays and away[: turn + 1].max() > 0.1 * np.ptp(F)):
+        if np.ptp(F) < np.abs(np.median(F)):  # a hold only
+            return 0.0, float(np.sign(np.median(F)))
+        if abs(F[0]) > 0.5 * np.abs(F).max():  # begins in contact
+            return 0.0, float(np.sign(F[0]))
+    risen = int(np.argmax(away > 0.2 * away.max()))
+    largest = int(np.argmax(away[: max(turn, risen) + 1]))
+    return rest, float(np.sign(F[largest] - rest))
+
+
+def _turn(d: Floats) -> int:
+    """The row before which a depth goes one way only."""
+    little = max(_REENTRY * float(np.ptp(d)), _NOISE * noise(d))
+    gone = d - d[0]
+    gone = gone * np.sign(gone[np.argmax(np.abs(gone) > little)])
+    back = np.maximum.accumulate(gone) - gone > little
+    return int(np.argmax(back)) if back.any() else d.size - 1
 
 
 def _check_contact(F: Floats, rest: float) -> None:
@@ -318,7 +332,7 @@ def read_indentation(
     k = math.nan if is_force and kind != "height" else _spring(spring, kind)
     force = read.values("force" if is_force else "deflection", at, bare=False) * (1 if is_force else k)
     if kind == "height":
-        rest, presses = _pressing(force)
+        rest, presses = _pressing(depth, force)
         pressed = presses * (force - rest)
         depth = depth - _downward(depth, pressed) * pressed / k
     where = contact if contact is not None else 0.0 if kind == "depth" else "fit"

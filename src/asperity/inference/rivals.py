@@ -185,7 +185,8 @@ def drift_in(first: Rival, last: float, curve: Curve, size: float = 1.0) -> list
         start, begin, middle, end = curve(times, values)[0]
     start = start if math.isfinite(start) else begin
     error = float(np.median(problem.error)) / size / math.sqrt(max(problem.time.size / 3, 1))
-    if not (end - begin > _APART * error and end - middle > _STEADY * (middle - begin)):
+    steady = end - begin > _APART * error and end - middle > _STEADY * (middle - begin)
+    if not (steady and math.isfinite(end)):
         return []
     rate = 300 * (end - middle) / (last * start)
     return [

@@ -11,8 +11,9 @@ import numpy as np
 from annotated_types import Ge
 
 from asperity.base import checks
+from asperity.base import units as si
 from asperity.base.parameters import Quantity, parameters_of
-from asperity.errors import InputError
+from asperity.errors import InputError, Name
 from asperity.protocols.legs import TARGETS, Hold, Leg, Ramp, Step
 from asperity.sheets.columns import TIME, Chosen, Columns, Role, in_line, named
 from asperity.sheets.tables import Table
@@ -21,12 +22,17 @@ _SAME_START = 1e-6
 """Relative difference of a load and an equal one that a solver found."""
 
 _ROLES = (
-    Role("", "", r"temp(?!s\b)|rate\b|veloc|speed|geschw|vitesse|\bstd|\berr|shear|scher|schub|tang|lateral"),
+    Role(
+        "",
+        "",
+        r"temp(?!s\b)|rate\b|veloc|speed|geschw|vitesse|\bstd|\berr|shear|scher|schub|tang|lateral|horizont"
+        r"|reib|fri[ck]|frott|\bpor[eo]|tensi|traction|\bzug",
+    ),
     TIME,
     Role("separation", "m", r"separation|abstand|\bgap\b|spalt|ecart"),
     Role("approach", "m", r"displac|verschieb|deplac|approach|annaher|rapproch|\bweg\b|stroke|crosshead"),
-    Role("load", "N", r"load|force|kraft|\blast\b|charge|^f ?[nz]?$"),
-    Role("pressure", "Pa", r"press|druck|stress|spannung|contrainte"),
+    Role("load", "N", r"load|force|kraft|last\b|belastung\b|charge|effort|weight|gewicht|poids|^f ?[nz]?$"),
+    Role("pressure", "Pa", r"press|druck|stress|spannung|contrainte|^(sigma|σ) ?n?$"),
 )
 """Columns of a measured history; the first is of what is left alone."""
 
@@ -95,6 +101,7 @@ def measured(
         cure = {"columns": f"{places.get('time', 0)} {places[targets[0]] if targets else 1}"}
         raise InputError(read.table.name, expected=expected, got=got, cure=cure)
     target = targets[0]
+    _check_alone(read, places[target], target)
     times, values = read.values("time", bare=bare), read.values(target, bare=bare)
     if not (np.ptp(times) or np.ptp(values)):
         raise InputError(read.table.name, expected="at least 2 rows that differ", got=f"{len(times)}")
@@ -132,6 +139,16 @@ def check_start(protocol: object, contact: Any) -> None:
             advice = f"asperity.press(..., {name}={value!r})"
             expected = f"a contact at the {name} at which the history begins, {value:g}"
             raise InputError("protocol", expected=expected, got=f"{present:g}", advice=advice)
+
+
+def _check_alone(columns: Columns, place: int, target: str) -> None:
+    """Refuse a column of unknown name beside what is prescribed, in units of it: it may be meant."""
+    unit = next(role.unit for role in _ROLES if role.name == target)
+    for at in sorted({*columns.unknown} & {*columns.chosen}):
+        if (written := columns.unit_text(at)) and si.factor(si.spelled(written) or "", unit) is not None:
+            got = f"{columns.table.names[place]!r} and {columns.table.names[at]!r}"
+            advice = (Name("columns"), " of the time and of one of them")
+            raise InputError(columns.table.name, expected=f"one column of {target}", got=got, advice=advice)
 
 
 def _table_of(arrays: Any) -> Table:

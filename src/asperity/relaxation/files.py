@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Literal, cast, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity.base import checks
 from asperity.base import units as si
@@ -23,8 +24,9 @@ _ROLES = (
     Role(
         "",
         "",
-        r"\btan\b|delta|δ|fa[ck]t|temp(?!s\b)|(?<!t)\*|[ck]omplex|err|std"
-        r"|bulk|kompress|longitud|(relax|retard)\w* time|(relax|retard)\w*zeit|temps de r",
+        r"\btan\b|tangent|delta|δ|fa[ck]t|temp(?!s\b)|(?<!t)\*|[ck]omplex|\||betrag|magnitud"
+        r"|absolut\w* ?mod|err|std|bulk|kompress|longitud|constrain|o?edomet|odomet|p.?wave|steifemodul"
+        r"|(relax|retard)\w* time|(relax|retard)\w*zeit|temps de r",
     ),
     Role("frequency", "rad/s", r"freq|omega|ω|^[fw]$|^nu$|angular|pulsation"),
     TIME,
@@ -32,7 +34,11 @@ _ROLES = (
     Role("storage", "Pa", r"storage|speicher|conservation|stockage|\b[eg] ?'|prime|real"),
     Role("creep modulus", "Pa", r"(creep|kriech) ?modul|modul\w* (de |d'|en )?fluage"),
     Role("relative modulus", "1", r"(normali[sz]|relativ|normier)\w* .*modul|\b([eg]) ?/ ?\2 ?\(?[0i]"),
-    Role("compliance", "1/Pa", r"complian|creep|nachgieb|kriech|fluage|complaisance|^[jd]\b"),
+    Role(
+        "compliance",
+        "1/Pa",
+        r"complian|nachgieb|complaisance|^[jd]\b|^(?!.*(strain|dehnung|deform)).*(creep|kriech|fluage)",
+    ),
     Role("modulus", "Pa", r"modul|relax|young|elasti|^[eg]\b|^[eg] ?rel|plane strain"),
     Role("strain", "1", r"strain|dehnung|deform"),
     Role("stress", "Pa", r"stress|spannung|contrainte"),
@@ -49,12 +55,17 @@ _UP_TO_A_FACTOR: dict[str, Kind] = {
 _IN_PLACE: dict[str, Kind] = {**_UP_TO_A_FACTOR, "creep modulus": "creep"}
 """Those, and the inverse of a compliance."""
 _MODULI: dict[Modulus, str] = {
-    "shear": r"shear|schub|scher|cisail",
+    "shear": r"shear|schub|scher|cisail|gleit|torsion|coulomb|rigidit",
     "contact": r"plane.strain|contact|kontakt|reduced|reduit",
     "young": r"young|elastizit|d'elast|tensile|tension|zug|traction|flexur|bending|biege",
 }
 """Words that say which modulus it is."""
 _LETTERS: dict[str, Modulus] = {"e": "young", "g": "shear"}
+_CONDITIONS = (
+    (r"^T\b|(?i:temp(?!s\b))", 1.0, 0.0),
+    ("(?i)strain|dehnung|deform|ampl|humid|feucht", 0.0, 0.1),
+)
+"""Columns of conditions; by how much rows of one time or frequency may differ, absolutely and relatively."""
 
 
 def read(
@@ -133,6 +144,7 @@ def read(
         numbers[1], meant = per_force * numbers[1], "contact"
     source, rows = reading.read, np.diff(numbers[0], prepend=np.nan) != 0
     if not rows.all():
+        _check_conditions(reading, places, rows)
         starts = np.flatnonzero(rows)
         counts = np.diff(starts, append=rows.size)
         numbers = [np.add.reduceat(values, starts) / counts for values in numbers]
@@ -147,12 +159,30 @@ def read(
         raise error.about(f"{reading.table.name}, {error.name}") from error
 
 
+def _check_conditions(columns: Columns, places: list[int], new: NDArray[np.bool_]) -> None:
+    """Refuse rows of one time or frequency at several temperatures or amplitudes: they have no mean."""
+    table, starts = columns.table, np.flatnonzero(new)
+    for at, name in enumerate(table.names):
+        for words, absolute, relative in _CONDITIONS:
+            values = table.values[:, at]
+            if at in places or not re.search(words, columns.label(at)) or not np.isfinite(values).all():
+                continue
+            spread = np.maximum.reduceat(values, starts) - np.minimum.reduceat(values, starts)
+            if spread.max() > max(absolute, relative * np.abs(values).max()):
+                got = f"{values.min():g} to {values.max():g}"
+                advice = "a file of the rows at one of them"
+                raise InputError(table.name, expected=f"rows at one {name!r}", got=got, advice=advice)
+
+
 def _chosen(columns: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind, list[int]]:
     """The kind of the data, and the positions of its columns."""
     table, roles = columns.table, list(columns.roles)
     wanted = {name: of_class.names() for name, of_class in _KINDS.items() if kind in (None, name)}
     # Moduli against frequency, without more words: storage and loss.
     plain = [at for at, role in enumerate(roles) if role == "modulus"]
+    unclear = "dynam|elasti" if len(plain) > 1 else "dynam"  # which may be the absolute value
+    if any(re.search(unclear, normal(columns.label(at))) for at in plain):
+        plain = []
     if "frequency" in roles and "storage" not in roles and len(plain) == 2 - roles.count("loss"):
         for at, role in zip(plain, ("storage", "loss"), strict=False):
             roles[at] = role
@@ -183,11 +213,9 @@ def _chosen(columns: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind
         header = "omega_rad_s,storage_MPa,loss_MPa" if is_dynamic else "time_s,E_MPa"
         if not any(table.names):
             raise _unclear(columns, f"a first line such as {header}")
-        raise _unclear(
-            columns,
-            f"{header} as their names",
-            {} if is_dynamic else {"kind": "relaxation", "columns": "0 1"},
-        )
+        # What has another meaning is no modulus by choosing it.
+        cure = {"kind": "relaxation", "columns": "0 1"} if columns.unknown in ([1], [0, 1]) else {}
+        raise _unclear(columns, f"{header} as their names", {} if is_dynamic else cure)
     return fitting[0], [roles.index(role) for role in wanted[fitting[0]]]
 
 

@@ -27,11 +27,15 @@ Units = Mapping[int | str, str] | Sequence[str] | str
 
 _ARGUMENT = r"(?:t|time|omega|ω|w|f|q|zeit|temps)"
 _BRACKETS = re.compile(r"(.*?)[\s_,/]*[\[({<]\s*([^\[\](){}<>]*?)\s*[\])}>]")
-_LOGARITHM = re.compile(r"(?i)(log_?10|log|lg|ln)(?:\s*\((.*)\)(.*)|[\s_]+(.*))")
+_LOGARITHM = re.compile(r"(?i)(log_?10|log|lg|ln)(?:\s*\((.*)\)(.*)|[\s_.-]+(.*))")
 _ANGULAR = re.compile(r"omega|ω|angul|circular|kreis|winkel|pulsation|^w\b")
 _CYCLES = re.compile(r"(?i)\b(?:r|cycles?|cyc|revs?|revolutions?|turns?|tours?|tr|u|umdr\w*|osc\w*)\b")
 _RATIO = re.compile(r"(\w+) ?/ ?\1[ _(]*(?:0|o|n|nom|max|ref|i|inf)\)?")
-_POWER_OF_TEN = re.compile(r"\b1e[+-]?\d|\b10 ?(?:\^|\*\*|[⁻⁰¹²³⁴-⁹])|[x×*·] ?10+\b")
+_SCALED = {
+    "a factor": re.compile(r"\b1e[+-]?\d|\b10 ?(?:\^|\*\*|[⁻⁰¹²³⁴-⁹])|[x×*·] ?10+\b|(?<!\d)[×*·/] ?\d"),
+    "a logarithm": re.compile(r"(?i)(?:^|[\W_])(?:log_?10|log|lg|ln|logarithm\w*)(?:$|[\W\d_])"),
+}
+"""What stands in a name of other numbers than those of the quantity: to multiply by, or to divide?"""
 _DATE = re.compile(r"\d{1,4}[-/.:]\d{1,2}[-/.:T ]?")
 _LEAVE_OUT = "a # before a line to leave it out"
 _OF_TIME = {"Hz", "mHz", "kHz", "MHz", "GHz", "s", "ms", "us", "µs", "μs", "min", "h", "d"}
@@ -57,8 +61,8 @@ TIME = Role("time", "s", r"\btime\b|zeit|temps|duree|dauer|elapsed|ecoule|^t( ?/
 class Columns:
     """The columns of a table, by the first of several roles whose words are in the name of each.
 
-    `columns` choose, by default all. `units` replace those of the table. `InputError` without such a table or
-    column.
+    `columns` choose, by default all. `units` replace those of the table. Names of `unknown` columns have no
+    words of a role. `InputError` without such a table or column.
     """
 
     def __init__(
@@ -74,7 +78,10 @@ class Columns:
         self._parts = [parts for _, parts in meanings]
         numbers = {role for role, parts in meanings if parts.base is None}
         # Logarithms beside their numbers are left alone.
-        self.roles = ["" if parts.base is not None and role in numbers else role for role, parts in meanings]
+        self.roles = [
+            "" if parts.base is not None and role in numbers else role or "" for role, parts in meanings
+        ]
+        self.unknown = [at for at, (role, _) in enumerate(meanings) if role is None]
         everything = range(len(self.roles))
         self.chosen = list(everything) if columns is None else positions(self.table, columns)
         self._stated = self._by_column(units)
@@ -87,7 +94,8 @@ class Columns:
         for at in self.chosen:
             if (role := self.roles[at]) in columns:
                 got = f"{self.table.names[columns[role]]!r} and {self.table.names[at]!r}"
-                cure = {"columns": f"{columns[role]} ..."}
+                others = [place for place in self.chosen if self.roles[place] not in ("", role)]
+                cure = {"columns": [columns[role], *others]}
                 raise InputError(self.table.name, expected=f"one column of {role}", got=got, cure=cure)
             columns |= {role: at} if role else {}
         return columns
@@ -120,10 +128,10 @@ class Columns:
         if base == 0:
             advice = "log10(...), lg(...) or ln(...) for its name"
             raise InputError(self._about(at), expected="a base of the logarithm", got="none", advice=advice)
+        values = _finite(self.table, at, role)
         unit, factor = self._unit(wanted, at)
         if not (unit or bare or wanted.unit == "1"):
             raise self._no_unit(wanted, at, "none")
-        values = _finite(self.table, at, role)
         if base:
             if (too_large := values > (most := math.log(LARGEST, base))).any():
                 raise in_line(self.table, int(np.argmax(too_large)), at, role, f"of at most {most:.4g}")
@@ -143,25 +151,26 @@ class Columns:
         """Unit of a column from a row of units, or else from its name, without a role."""
         return self.table.units[at] or self._parts[at].unit
 
-    def _meaning(self, name: str) -> tuple[str, _Parts]:
-        """Role of a name, and its parts: the first with a role."""
+    def _meaning(self, name: str) -> tuple[str | None, _Parts]:
+        """Role of a name, and its parts: the first with a role; None without any."""
         every = _parts(name)
         for parts in every:
             roles = (role for role in self._roles if re.search(role.words, normal(parts.label)))
             if parts.label.strip() != "T" and (role := next(roles, None)):  # T is a temperature
                 return role.name, parts
-        return "", every[0]
+        return None, every[0]
 
     def _unit(self, role: Role, at: int) -> tuple[str, float]:
         """Unit from the user, a row of units, or the name; and its factor to the unit of the role."""
         parts, name = self._parts[at], normal(self.table.names[at])
         below, beside = self.table.units[at], parts.unit
         unclear = {"1": r"\w+", "": r"\w"}.get(role.unit)
-        if unclear and not parts.is_clear and re.fullmatch(unclear, beside):
+        if unclear and not parts.is_clear and re.fullmatch(unclear, beside) and si.spelled(beside) != "%":
             beside = ""  # mu_s is static friction
         text = self._stated.get(at) or below or beside
-        if at not in self._stated and _POWER_OF_TEN.search(parts.label):  # to multiply by, or to divide?
-            raise self._no_unit(role, at, "a power of ten in the name")
+        scaled = [scale for scale, words in _SCALED.items() if words.search(parts.label)]
+        if at not in self._stated and scaled:
+            raise self._no_unit(role, at, f"{scaled[0]} in the name")
         *words, last = name.split() or [""]
         if not text and role.unit not in ("1", "") and re.search(role.words, " ".join(words)):
             text = last if len(last) > 2 and si.factor(last, last) is not None else ""  # time_furlong
@@ -170,18 +179,27 @@ class Columns:
         is_angular, is_stated = _ANGULAR.search(normal(parts.label)) is not None, at in self._stated
         factor = _in(text, role.unit, is_angular, is_stated=True) if is_stated else None
         if factor is None and (is_stated or not below or beside in ("", below)):  # not two units
-            factor = _in(si.spelled(text), role.unit, is_angular)
+            factor = _in(self._spelled(text), role.unit, is_angular)
         if factor is None:
-            raise self._no_unit(role, at, repr(text))
+            other = si.factor(text, text) is not None  # a column of something else, not one without a unit
+            raise self._no_unit(role, at, repr(text), mended=not other)
         return text.removeprefix("in "), factor
 
-    def _no_unit(self, role: Role, at: int, got: str) -> InputError:
+    def _spelled(self, unit: str) -> str | None:
+        """A unit in Pint's spelling; None of milli or mega among names and units in capitals alone."""
+        written = "".join([*self.table.names, *self.table.units])
+        units = [self.unit_text(at) for at in range(len(self._parts))]
+        in_case = all(one in ("", "-", si.spelled(one)) for one in units)
+        unclear = written.isupper() and not in_case and re.search(r"\bM[A-Z]", unit)
+        return None if unclear else si.spelled(unit)
+
+    def _no_unit(self, role: Role, at: int, got: str, *, mended: bool = True) -> InputError:
         example, name = _EXAMPLES.get(role.unit, role.unit), self.table.names[at]
         column = name if re.fullmatch(r"\w[\w ]*", name) else at
         expected, cure = f"a unit of {role.name}, such as {example}", {"units": f"{column}={example}"}
         if at in self._stated:
             return InputError("units", expected=expected, got=got)
-        return InputError(self._about(at), expected=expected, got=got, cure=cure)
+        return InputError(self._about(at), expected=expected, got=got, cure=cure if mended else {})
 
     def _about(self, at: int) -> str:
         return f"column {self.table.names[at] or at!r} of {self.table.name}"
@@ -231,13 +249,13 @@ def _parts(name: str) -> list[_Parts]:
         return [_Parts(bracket[1], bracket[2], is_clear=True), _Parts(name)]
     pairs = [
         _Parts(label, unit, is_clear="/" in separator[0])
-        for separator in re.finditer(r"\s*/\s*|[_,\s]+", name)
+        for separator in re.finditer(r"\s*/\s*|[_,:\s]+", name)
         if (label := name[: separator.start()])
         and (unit := name[separator.end() :])
         and ("/" in separator[0] or si.is_usual(unit))
         and not _RATIO.fullmatch(normal(f"{label}/{unit}"))
     ]
-    return [*pairs, _Parts(name)]
+    return [*pairs, _Parts(name, name if len(name) > 3 and si.is_usual(name) else "")]  # minutes
 
 
 def _in(unit: str | None, target: str, is_angular: bool, is_stated: bool = False) -> float | None:

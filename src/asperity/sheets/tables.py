@@ -34,11 +34,12 @@ _IN_BRACKETS = re.compile(r"[^\[\]()]*[\[(][^\[\]()]*[\])]")  # a name and its u
 
 _FACT = re.compile(r"(?i)(?:(columns?|names?|spalten|colonnes|units?|einheiten|unit[eé]s)|[\w.-]+):\s+(.*)")
 
-_COMMENT = re.compile(r"#(?![;,\t])")  # in "Rec #;Time (s)" it ends a name
+# In "Rec #;Time (s)" it ends a name, and #DIV/0! is a cell of a spreadsheet.
+_COMMENT = re.compile(r"#(?![;,\t]|[A-Z/0?]+[!?]|N/A|NV)")
 _GLUED = re.compile(
     r"(?<=[^\W\d_][\])])(?=[+-]?\d+\.?\d*\t)"
 )  # a header and the first row: "Voltage (V)41.3"
-_MISSING = ("", "nan", "na", "n/a", "null")  # in letters of any size
+_MISSING = ("", "nan", "na", "n/a", "null", "#n/a", "#nv")  # in letters of any size
 
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([,.' ]\d{3})+([.,]\d*)?")
 """A number that seems to have separators between thousands."""
@@ -88,8 +89,7 @@ def read_table(
     path = expanded(path)
     fail = functools.partial(failure, str(path))
     everything = (text_of(path, failure) if text is None else text).split("\n")
-    comments = ("#", "%") if matrix else ("#", "%", ";")
-    lines, notes = _separated(everything, comments)
+    lines, notes = _separated(everything, ("#", "%") if matrix else ("#", "%", ";"))
     dialects = _DIALECTS
     if not matrix and (stated := _OF_EXCEL.fullmatch(everything[0])):
         dialects = tuple(dialect for dialect in _DIALECTS if dialect[0] == stated[1]) or _DIALECTS
@@ -99,6 +99,7 @@ def read_table(
     shares = [_numeric_share(looked_at, *dialect) for dialect in dialects]
     best = int(np.argmax(shares))
     separator, decimal = dialects[best]
+    _check_decimals(lines, separator, decimal, fail)
     # A line of nothing but tabs is a row of missing cells where tabs separate; of nothing but blanks, no row.
     lines = [(number, line) for number, line in lines if line.strip() or (separator == "\t" and "\t" in line)]
     if not lines:
@@ -146,13 +147,35 @@ def _separated(
 ) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
     """Number and text of the lines without comments, and of the lines that are comments, without marks."""
     lines, notes = [], []
+    counts = Counter(line.count(";") for line in everything if line and not line.startswith(comments))
+    cells = counts.most_common(1)[0][0] if counts else 0
     for number, line in enumerate(everything, 1):
-        if line.lstrip().startswith(comments):
+        is_row = line.startswith(";") and 0 < line.count(";") == cells  # whose first cell is empty
+        if line.lstrip().startswith(comments) and not (is_row and ";" in comments):
             notes.append((number, line.lstrip(" \t#%;")))
         else:
             line = _COMMENT.split(line, 1)[0] if "#" in line else line
             lines += [(number, part) for part in (_GLUED.split(line, 1) if "\t" in line else [line])]
     return lines, notes
+
+
+def _check_decimals(
+    lines: list[tuple[int, str]], separator: str, decimal: str, fail: Callable[..., InputError]
+) -> None:
+    """Refuse commas of which each may be a decimal one, or one between thousands."""
+    grouped = (0, "")
+    for number, line in lines:
+        for cell in _cells(line, separator):
+            if decimal != "," or "," not in cell or _number(cell, ",") is None:
+                continue
+            if not GROUPED.fullmatch(cell):
+                return
+            grouped = number, cell
+    number, cell = grouped
+    if not cell:
+        return
+    advice = "decimal points, or no separators between thousands"
+    raise fail(expected=f"decimal commas or thousands, in line {number}", got=repr(cell), advice=advice)
 
 
 def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) -> tuple[int, int, int]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from asperity.app.config import RunConfig
 from asperity.app.runs.outcome import Outcome
 from asperity.app.runs.pipeline import completed
+from asperity.app.runs.words import read_rows
 from asperity.base.calls import remarks_made
 from asperity.base.rows import Row
 from asperity.contact_law import law
@@ -27,7 +28,7 @@ class Tabulated(Outcome):
 
     def rows(self) -> list[Row]:
         """See `Outcome`."""
-        return rows_of(self.dataset)
+        return [*read_rows(self.config), *rows_of(self.dataset)]
 
     def drawings(self) -> dict[str, Callable[[], Drawing]]:
         """See `Outcome`."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from asperity.app.config import RunConfig
 from asperity.app.runs.outcome import Outcome
 from asperity.app.runs.pipeline import check_units, completed, without_copies
+from asperity.app.runs.words import read_rows
 from asperity.base.calls import remarks_made
 from asperity.base.rows import Row
 from asperity.progress import Checkpoint, Progress
@@ -25,7 +26,7 @@ class Slid(Outcome):
 
     def rows(self) -> list[Row]:
         """See `Outcome`."""
-        return rows_of(self.dataset)
+        return [*read_rows(self.config), *rows_of(self.dataset)]
 
     def drawings(self) -> dict[str, Callable[[], Drawing]]:
         """See `Outcome`."""

@@ -20,14 +20,19 @@ _ELECTRONVOLT = 1.602176634e-19
 
 def run_rows(config: RunConfig, dataset: xr.Dataset, summary: AgingSummary | None) -> list[Row]:
     """Rows on surface, solid and results."""
-    table, protocol = getattr(config.solid, "fit", None), config.protocol
-    read = filter(None, ("" if table is None else table.data.source, getattr(protocol, "read", "")))
     return [
         Row("surface", _surface(config, dataset)),
-        *(Row("read", source) for source in read),
+        *read_rows(config),
         Row("solid", _solid(config, dataset)),
         *history_rows(dataset, summary),
     ]
+
+
+def read_rows(config: RunConfig) -> list[Row]:
+    """Rows on the columns of tables that were read."""
+    table = getattr(config.solid, "fit", None)
+    sources = "" if table is None else table.data.source, getattr(config.protocol, "read", "")
+    return [Row("read", source) for source in sources if source]
 
 
 def _surface(config: RunConfig, dataset: xr.Dataset) -> str:

@@ -1,0 +1,193 @@
+"""Tables that could be read as other numbers: refused, or read as their headers say."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.base.units import factor
+from asperity.errors import InputError
+from asperity.fits import read_measurements
+from asperity.friction import read_record
+from asperity.friction.rows import rows_of
+from asperity.protocols import measured
+from asperity.relaxation import Creep, read
+from asperity.sheets.tables import read_table
+from tests.refusals import refuses
+
+pytestmark = pytest.mark.usefixtures("here")
+MODULI = ("3,200", "3,100", "3,000", "2,900")
+FALLING = "1;3.2\n2;3.1\n5;3.0\n10;2.9\n20;2.8\n"
+SWEPT = "0.1;5;2\n1;6;2.1\n10;7;2.2\n100;7.5;2.1\n1000;8;2\n"
+
+
+def written(text: str) -> str:
+    Path("t.csv").write_text(text, encoding="utf-8")
+    return "t.csv"
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("E (100 MPa)", "E [1000 MPa]", "E/1000 (MPa)", "E / 10 (MPa)", "E*5 (MPa)"),
+        *("log. modulus (MPa)", "Modulus log10 (MPa)", "logarithmic modulus (MPa)"),
+    ],
+)
+def test_factors_and_logarithms_of_a_modulus_are_asked_for(name):
+    with refuses(f"column '{name}' of t.csv"):
+        read(written(f"time_s;{name}\n{FALLING}"), kind="relaxation", columns="0 1")
+
+
+@pytest.mark.parametrize("name", ["Time (1000 h)", "time, log10 s", "Time_log_s", "Log-time (s)"])
+def test_factors_and_logarithms_of_time_are_asked_for(name):
+    with refuses(f"column '{name}' of t.csv"):
+        read(written(f"{name};E (MPa)\n{FALLING}"))
+    data = read(written(f"lg-time (s);E (MPa)\n{FALLING.replace('20;', '11;')}"))
+    np.testing.assert_allclose(data.columns[0], 10.0 ** np.array([1, 2, 5, 10, 11]))
+
+
+def test_a_power_of_ten_is_one_with_an_exponent():
+    """``1000 mN`` was 1 mN."""
+    assert [factor(unit, "N") for unit in ("1000 mN", "100 N", "10 N", "103 N")] == [None] * 4
+    assert [factor(unit, "Pa") for unit in ("10^3 Pa", "10-3 Pa", "10^6 N/m^2")] == [1e3, 1e-3, 1e6]
+
+
+@pytest.mark.parametrize("separator", ["\t", ";"])
+def test_a_comma_before_three_digits_in_every_number_is_asked_for(separator):
+    rows = "".join(f"{t}{separator}{E}\n" for t, E in zip((1, 2, 5, 10), MODULI, strict=True))
+    with refuses("t.csv", "'2,800'"):
+        read(written(f"Time (s){separator}E (MPa)\n{rows}20{separator}2,800\n"))
+    table = read_table(Path(written(f"Time (s){separator}E (MPa)\n{rows}20{separator}2,80\n")))
+    np.testing.assert_allclose(table.values[:, 1], [3.2, 3.1, 3.0, 2.9, 2.8])
+    table = read_table(Path(written(f"Time (s){separator}E (MPa)\n0,125{separator}3,300\n{rows}")))
+    np.testing.assert_allclose(table.values[0], [0.125, 3.3])
+
+
+def test_rows_of_one_frequency_at_several_temperatures_or_amplitudes_have_no_mean():
+    rows = "".join(f"{f};{T};{f + E};{E / 5}\n" for f in (1, 2, 4, 8, 16) for T, E in ((20, 9), (40, 3)))
+    for name in ("Temperature (°C)", "T (K)", "strain (%)"):
+        with refuses("t.csv", "20 to 40"):
+            read(written(f"Frequency (Hz);{name};E' (MPa);E'' (MPa)\n{rows}"))
+    data = read(written(f"Frequency (Hz);specimen;E' (MPa);E'' (MPa)\n{rows}"))
+    np.testing.assert_allclose(data.columns[1][0], 1e6 * (6.0 + np.array([1, 2, 4, 8, 16])))
+
+
+@pytest.mark.parametrize(
+    ("name", "is_shear"),
+    [
+        *((name, True) for name in ("Gleitmodul", "Torsionsmodul", "module de Coulomb", "rigidity modulus")),
+        *((name, False) for name in ("constrained modulus", "P-wave modulus", "oedometric modulus")),
+        *((name, False) for name in ("Bulk modulus", "E*", "|E|", "absolute modulus", "Loss tangent")),
+    ],
+)
+def test_a_modulus_is_that_of_its_name(name, is_shear):
+    file = written(f"t (s);{name} (MPa)\n{FALLING}")
+    if is_shear:
+        assert read(file).measured == "shear"
+        return
+    with pytest.raises(InputError) as raised:
+        read(file)
+    assert "columns" not in raised.value.cure  # which would take it for Young's
+
+
+def test_the_dynamic_modulus_may_be_the_absolute_one():
+    for names in ("Dynamic modulus (MPa);Loss modulus (MPa)", "Dynamic modulus (MPa);Elastic modulus (MPa)"):
+        with refuses("t.csv"):
+            read(written(f"f (Hz);{names}\n{SWEPT}"))
+    data = read(written(f"f (Hz);Elastic modulus (MPa);Viscous modulus (MPa)\n{SWEPT}"))
+    np.testing.assert_allclose(data.columns[1], 1e6 * np.array([[5, 6, 7, 7.5, 8], [2, 2.1, 2.2, 2.1, 2]]))
+
+
+def test_capitals_alone_do_not_tell_milli_from_mega():
+    with refuses("column 'LOAD (MN)' of t.csv", "'MN'"):
+        measured(written("TIME (S);LOAD (MN)\n0;1\n2;3\n"))
+    assert measured(written("Time (s);F (MN)\n0;1\n2;3\n")).start == {"load": 1e6}
+
+
+def test_percent_and_permille_in_words():
+    for name, part in (("strain percent", 100), ("Dehnung [‰]", 1000), ("creep strain (%)", 100)):
+        data = read(written(f"t (s);{name}\n1;2\n2;2.5\n5;3\n10;3.5\n20;3.6\n"), stress="1 MPa")
+        assert isinstance(data, Creep)
+        np.testing.assert_allclose(data.compliance, np.array([2, 2.5, 3, 3.5, 3.6]) / part / 1e6)
+    rows = "".join(f"{t};{t};60\n" for t in range(4))
+    assert read_record(written(f"time_s;load point (um);Friction percent\n{rows}")).friction[0] == 0.6
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        *("Normallast (N);Reibkraft (N)", "Effort normal (N);Force de frottement (N)"),
+        *("Belastung (N);Zugkraft (N)", "Dead weight (N);Friction force (N)"),
+        *("Fn (N);Tensile force (N)", "Load (N);Horizontal load (N)"),
+    ],
+)
+def test_a_history_is_that_of_the_normal_load(names):
+    history = measured(written(f"Time (s);{names}\n0;10;1\n2;10;3\n62;10;3.3\n"))
+    assert (history.start, len(history)) == ({"load": 10.0}, 1)
+
+
+def test_two_forces_of_a_history_are_asked_for():
+    file = written("Time (s);W (mN);F (mN)\n0;10;0.1\n2;10;3\n62;10;3.3\n")
+    with refuses("t.csv", "'F (mN)' and 'W (mN)'"):
+        measured(file)
+    with refuses("t.csv"):
+        measured(written("Time (s);Sigma_n (MPa);sigma (MPa)\n0;1;2\n1;2;3\n"))
+    for name in ("Tensile force (N)", "Horizontal displacement (mm)"):
+        with refuses("t.csv"):
+            measured(written(f"Time (s);{name}\n0;1\n2;3\n"))
+
+
+def test_rows_that_begin_with_an_empty_cell_are_no_comments():
+    found = read_measurements(written("Nr;Zeit;Fläche\n;min;mm²\n1;2;3\n2;3;4\n3;5;6\n"), "area")
+    assert (found.time_unit, found.value_unit) == ("min", "mm²")
+    table = read_table(Path(written("a;b;c\n1;2;3\n;5;6\n; a comment\n4;5;6\n")))
+    np.testing.assert_array_equal(table.values, [[1, 2, 3], [np.nan, 5, 6], [4, 5, 6]])
+
+
+def test_errors_of_a_spreadsheet_are_missing_cells():
+    table = read_table(Path(written("t,E,G\n1,2,3\n2,#DIV/0!,4\n3,#N/A,5\n# 4,5,6\n")))
+    np.testing.assert_array_equal(table.values, [[1, 2, 3], [2, np.nan, 4], [3, np.nan, 5]])
+
+
+def test_changes_are_no_values():
+    for name in ("Area change (%)", "Δ area (um2)", "Flächenänderung (%)"):
+        with refuses("t.csv"):
+            read_measurements(written(f"t (s);{name}\n1;2\n2;3\n"), "area")
+
+
+def test_a_unit_after_a_colon_and_a_name_that_is_a_unit():
+    for name in ("Time:min", "minutes"):
+        found = read_measurements(written(f"{name};area:um2\n1;2\n2;3\n"), "area")
+        assert (found.time_unit, found.value_unit) == (name[-3:] if ":" in name else name, "um2")
+
+
+STEPS = asp.friction.velocity_steps([1e-6, 1e-5, 1e-6], distance=2e-4)
+LAW = asp.friction.RateAndState(mu_0=0.6, a=0.01, b=0.015, D_c=1e-5, V_0=1e-6)
+
+
+def recorded(sign: float = 1.0, digits: int = 6) -> asp.friction.Record:
+    """A record of synthetic steps as a table has it."""
+    made = asp.friction.synthetic_record(STEPS, LAW, per_leg=200)
+    columns = np.column_stack([made.time, sign * 1e6 * made.displacement, made.friction.round(digits)])
+    np.savetxt("t.csv", columns, delimiter=",", header="time_s,slip_um,friction", comments="")
+    return read_record("t.csv")
+
+
+def test_a_record_may_count_its_displacement_downwards():
+    forth, back = recorded(), recorded(sign=-1.0)
+    np.testing.assert_array_equal(forth.velocity, back.velocity)
+
+
+def test_friction_in_steps_beyond_the_misfit_is_noted():
+    notes = {}
+    for digits in (3, 6):
+        laws = asp.friction.compare_state_laws(recorded(digits=digits), stiffness=np.inf)
+        notes[digits] = [str(row.value) for row in rows_of(laws) if "in steps of" in str(row.value)]
+    assert notes[6] == []
+    assert "in steps of 0.001, more than" in notes[3][0]
+
+
+def test_normal_forces_below_0_are_to_be_turned():
+    with refuses("t.csv", "-10 to -9 N"):
+        read_record(written("time_s,x_um,Fx_N,Fz_N\n0,0,5,-10\n1,1,5,-10\n2,2,5,-9\n"))
