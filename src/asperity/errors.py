@@ -118,9 +118,9 @@ class InputError(AsperityError, ValueError):
         return retold
 
     def about(self, name: str, *path: str | int, keys: Mapping[str, str] | None = None) -> InputError:
-        """Return the same error about something else, its cure by the keys that set arguments."""
+        """Return the same error about something else, its cure by the keys that set arguments, if given."""
         facts = {key: getattr(self, key) for key in ("expected", "got", "advice", "said")}
-        cure = {(keys or {}).get(name, name): value for name, value in self.cure.items()}
+        cure = self.cure if keys is None else {keys[one]: self.cure[one] for one in self.cure if one in keys}
         return InputError(name, **facts, cure=cure, path=path or self.path)
 
 

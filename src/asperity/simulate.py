@@ -331,7 +331,7 @@ def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | Non
         checks.instance("contact", contact, Contact, WHERE_FROM)
         check_start(protocol, contact)
         line = contact.lattice.dimension == 1
-        units.check_units([vars(leg) for leg in legs], si=contact.si, line=line)
+        units.check_units([vars(leg) for leg in legs], si=contact.si, line=line, name="protocol")
         schedule = Schedule.of(legs, times)
         check_slides(legs, contact.lattice, contact.solid)
         for leg in legs:

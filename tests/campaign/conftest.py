@@ -16,11 +16,10 @@ import numpy as np
 import pytest
 import zarr
 
-from asperity.app.campaign.plan import Plan, plan_to_json, read_plan
+from asperity.app.campaign.plan import Plan, plan_to_json, read_plan, with_units
 from asperity.app.campaign.store import Store
 from asperity.app.campaign.worker import run_task
 from asperity.app.cli import main
-from asperity.app.config import to_tables
 
 SMALL = """
 [surface]
@@ -102,7 +101,7 @@ def do_here(plan, directory):
     store.prepare()
     (directory / "plan.json").write_text(plan_to_json(plan))
     return [
-        run_task(str(directory), run.identity, json.dumps(to_tables(run.config)), run.content)
+        run_task(str(directory), run.identity, json.dumps(with_units(run.config)), run.content)
         for run in plan.runs
     ]
 

@@ -22,7 +22,7 @@ from asperity.ask.solid import SOLIDS, SolidSection
 from asperity.ask.strength import ShearStrength
 from asperity.ask.surface import SURFACES, SurfaceSection
 from asperity.base.checks import choice, shown
-from asperity.base.files import Format
+from asperity.base.files import Format, expanded, without_links
 from asperity.base.parameters import Quantity
 from asperity.errors import SHOWN_PROBLEMS, InputError, Name, Words
 from asperity.protocols import Leg
@@ -54,7 +54,7 @@ class Contact(Section):
 
     load: Annotated[
         float | None,
-        Quantity(f"normal load; 0 before a ramp, below 0 with adhesion. {_USUAL_LOAD}", "N"),
+        Quantity(f"normal load; 0 before a ramp, below 0 with adhesion. {_USUAL_LOAD}", "N", of_line="N/m"),
     ] = None
     pressure: Annotated[
         float | None,
@@ -249,6 +249,8 @@ class RunConfig:
         """
         solid = self.solid.resolved() if "solid" in self.unused else self.solid.anywhere()
         parts: dict[str, Any] = {"solid": solid, "surface": self.surface.anywhere()}
+        if (measured := self.output.measured) is not None:
+            parts["output"] = self.output.but(measured=str(without_links(expanded(measured))))
         for name, keys in self.unused.items():
             part = parts.get(name, getattr(self, name))
             parts[name] = part.but(**{key: part.keys[key].default for key in keys if key in part.keys})

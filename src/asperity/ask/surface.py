@@ -37,7 +37,8 @@ class SurfaceSection(Section):
         try:
             table = self._in_numbers(table)
         except InputError as error:
-            raise SectionError([error.about(error.name, "surface", error.name)]) from None
+            own = {key: key for key in self.keys}
+            raise SectionError([error.about(error.name, "surface", error.name, keys=own)]) from None
         super().__init__(**table)
 
     @classmethod
@@ -125,6 +126,15 @@ class MeasuredSurface(SurfaceSection.of_kind("file", KINDS["file"])):  # type: i
             return table | {"pixel_size": list(numbers), "length_unit": unit}
         return table
 
+    def check(self) -> None:
+        """See `Section`; a rule that the edges overrule is refused, and the one that is used is kept."""
+        super().check()
+        rule = self.rule
+        if {"edges", "periodic"} <= self.stated and self.edges and self.periodic != rule:
+            expected = f"{rule!r} beside edges {self.edges!r}"
+            raise self.wrong("periodic", expected=expected, got=repr(self.periodic), cure={"periodic": rule})
+        vars(self)["periodic"] = rule
+
     @property
     def rule(self) -> Literal["mirror", "reflect", "taper", "wrap", "free"]:
         """How `asperity.surfaces.read` treats the edges."""
@@ -135,7 +145,7 @@ class MeasuredSurface(SurfaceSection.of_kind("file", KINDS["file"])):  # type: i
     @property
     def scan(self) -> Self:
         """The same, with reflecting edges in place of mirrored copies."""
-        return self.but(periodic="reflect") if self.rule == "mirror" else self
+        return self.but(periodic="reflect", edges=None) if self.rule == "mirror" else self
 
     @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:

@@ -39,6 +39,8 @@ class Quantity:
         Default of the key, by default that of the argument.
     swept
         Whether a campaign may take several values.
+    of_line
+        SI unit for a line contact, if it is another one.
     """
 
     text: str
@@ -48,6 +50,7 @@ class Quantity:
     key: str = ""
     usual: Any = ...
     swept: bool = True
+    of_line: str = ""
 
     @property
     def meaning(self) -> str:
@@ -217,7 +220,7 @@ class Parameter:
     def _number(self, name: str, value: object) -> float:
         if "inf" in self.kinds and isinstance(value, str | float) and value in ("inf", math.inf):
             return math.inf
-        return units.number(name, value, self.unit, **self.bounds)
+        return units.number(name, value, self.unit, of_line=self.quantity.of_line, **self.bounds)
 
 
 def parameters_of(kind: Callable[..., Any]) -> dict[str, Parameter]:

@@ -12,7 +12,14 @@ import tokenize
 from typing import TYPE_CHECKING, Any
 
 from asperity.base import checks
-from asperity.base.words import InUnits, as_text, has_decimal_comma, has_unit, written_with_units
+from asperity.base.words import (
+    InUnits,
+    as_text,
+    has_decimal_comma,
+    has_unit,
+    unit_of,
+    written_with_units,
+)
 from asperity.errors import InputError
 
 if TYPE_CHECKING:
@@ -33,6 +40,8 @@ _IN_WORDS = {
     "min": r"mins|minutes?|minuten",
     "h": r"hrs?|hours?|std|stunden?|heures?",
     "d": r"days?|tage?|jours?",
+    "m": r"met(?:er|re)s?",
+    "mm": r"millimet(?:er|re)s?",
     "um": r"mic|microns?|mi[ck]romet(?:er|re)s?",
     "nm": r"nanomet(?:er|re)s?",
     "%": r"percent|prozent|pourcent|pct",
@@ -65,9 +74,10 @@ _EXAMPLES = {
 """Quantities as people write them, by their units."""
 
 
-def number(name: str, value: object, unit: str, **bounds: Any) -> float:
+def number(name: str, value: object, unit: str, *, of_line: str = "", **bounds: Any) -> float:
     """Check a number as `checks.number` does, or convert a text with a unit, such as ``"5 MPa"``.
 
+    The unit may be another one for a line contact.
     A text becomes `InUnits`; callers ask `check_units` whether anything else has units.
     """
     text = as_text(value)
@@ -76,21 +86,24 @@ def number(name: str, value: object, unit: str, **bounds: Any) -> float:
         return value if isinstance(value, InUnits) else checked  # it is read twice, and remembers its unit
     if not has_unit(text):
         raise _no_quantity(name, text, unit)
-    return InUnits.of(checks.number(name, quantity(text, unit, name), **bounds), str(value), unit)
+    if of_line and (match := _NUMBER.fullmatch(text)) and factor(match[2], of_line) is not None:
+        unit = of_line
+    return InUnits.of(checks.number(name, quantity(text, unit, name), **bounds), text, unit)
 
 
-def converted(name: str, value: float | str | None, unit: str, *, si: bool) -> float | None:
-    """Make a number of a text with a unit, and refuse it without `si`; leave anything else to its checks."""
-    if not isinstance(as_text(value), str):
-        return value  # type: ignore[return-value]
-    value_in_unit = number(name, value, unit)
-    check_units(value_in_unit, si=si)
-    return value_in_unit
+def converted(
+    name: str, value: float | str | None, unit: str, *, si: bool, line: bool | None = None
+) -> float | None:
+    """Make a number of a text with a unit, checked by `check_units`; leave anything else to its checks."""
+    of_line = "N/m" if unit == "N" and line is not None else ""
+    value_in_unit = number(name, value, unit, of_line=of_line) if isinstance(as_text(value), str) else value
+    check_units(value_in_unit, si=si, line=line, name=name)
+    return value_in_unit  # type: ignore[return-value]
 
 
 def numbers(name: str, values: object, unit: str) -> object:
     """Replace texts, one or several in a list, by numbers; leave anything else as it is."""
-    if getattr(getattr(values, "magnitude", None), "ndim", 0) == 1:
+    if getattr(getattr(values, "magnitude", values if unit_of(values) else None), "ndim", 0) == 1:
         values = list(values)  # type: ignore[call-overload]
     if isinstance(as_text(values), str):
         return [number(name, values, unit)]
@@ -104,19 +117,21 @@ def either(name: str, value: object, unit: str) -> Any:
     return number(name, value, unit) if isinstance(as_text(value), str) else numbers(name, value, unit)
 
 
-def check_units(*tables: object, si: bool, line: bool = False) -> None:
+def check_units(*tables: object, si: bool, line: bool | None = None, name: str = "load") -> None:
     """Refuse numbers with a unit in tables if nothing else has units; `InputError`.
 
-    With `si` all is in SI, forces on a line contact for each metre of its length.
+    With `si` all is in SI. Forces, about that name, on a line contact are for each metre of its length.
     """
     for written in written_with_units(tables):
         if not si:
             expected = "plain numbers, as the surface or the solid has no units"
             advice = "half_space under Surface(heights, unit='um', pixel_size=..., length_unit='um')"
             raise InputError("units", expected=expected, got=repr(written.written), advice=advice)
-        if line and written.unit == "N":
-            expected = "a force for each metre of the profile's length"
-            raise InputError("load", expected=expected, got=repr(written.written), advice="load=5.0, in N/m")
+        if line is not None and written.unit in ("N", "N/m") and line != (written.unit == "N/m"):
+            expected = "a force in N, as the surface has two dimensions"
+            if line:
+                expected = "a force for each metre of the profile's length, in N/m"
+            raise InputError(name, expected=expected, got=repr(written.written))
 
 
 def quantity(value: object, unit: str, name: str = "quantity") -> float:

@@ -110,10 +110,17 @@ def numbers(words: Iterable[str], *, whole: bool) -> list[object]:
 
 
 def as_text(value: Any) -> Any:
-    """Write a quantity of Pint, of one number, as a text with a unit; leave anything else as it is."""
+    """Write one number of Pint, or of xarray with its unit, as a text with a unit; leave others alone."""
     if hasattr(type(value), "magnitude") and hasattr(type(value), "units"):
         return f"{value.magnitude} {value.units:~}".replace(" ** ", "^")
-    return value
+    unit = unit_of(value)
+    return f"{value.item()!r} {unit}" if unit and value.size == 1 else value
+
+
+def unit_of(array: Any) -> str:
+    """The unit that an array of xarray states; empty without one, and for a lattice's own units."""
+    unit = str(getattr(array, "attrs", {}).get("units", "")) if hasattr(array, "item") else ""
+    return "" if unit == "1" or re.search(r"\bunit|\bsite|\bspacing", unit) else unit
 
 
 def has_unit(word: object) -> bool:

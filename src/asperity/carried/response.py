@@ -120,8 +120,9 @@ def check_half_space(name: str, solid: Solid, lattice: Lattice) -> float:
     if solid.modulus is not None and solid.half_space and lattice.dimension == 2:
         return solid.modulus
     got = "a line contact" if lattice.dimension == 1 else f"a {solid.kind.replace('_', ' ')}"
-    expected, advice = "a half-space under a surface of two dimensions", "half_space(modulus=...)"
-    raise InputError(name, expected=expected, got=got, advice=f"asperity.solids.{advice}")
+    advice = "" if lattice.dimension == 1 else "asperity.solids.half_space(modulus=...)"
+    expected = "a half-space under a surface of two dimensions"
+    raise InputError(name, expected=expected, got=got, advice=advice)
 
 
 def sheared(contact: Contact, shear: float | str, friction: float) -> tuple[float, float]:

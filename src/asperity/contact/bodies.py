@@ -87,9 +87,8 @@ def _check_free(solid: Solid, dimension: int) -> None:
 
 def control_by(bodies: Bodies, name: str, value: Any) -> Control:
     """Load, or by name pressure or separation, in the units of the bodies; `InputError` where it is none."""
-    force = "N/m" if bodies.lattice.dimension == 1 else "N"
-    unit = {"load": force, "pressure": "Pa", "separation": "m"}[name]
-    number: Any = units.converted(name, value, unit, si=bodies.si)
+    unit = {"load": "N", "pressure": "Pa", "separation": "m"}[name]
+    number: Any = units.converted(name, value, unit, si=bodies.si, line=bodies.lattice.dimension == 1)
     if name == "separation":
         return Separation(number)
     if name == "pressure":

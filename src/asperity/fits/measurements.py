@@ -225,7 +225,10 @@ def measured_area(source: Path | str | Measurements, nominal: float, *, si: bool
     if not isinstance(source, Measurements):
         name = str(source)
         errors = errors_beside(read_table(Path(source)).names)
-        source = read_measurements(source, "area", stderr=errors)
+        try:
+            source = read_measurements(source, "area", stderr=errors)
+        except InputError as error:  # columns cannot be chosen here
+            raise error.about(error.name, keys={}) from None
     time, value = ("s", "m^2") if si else ("1", "1")
     called = normal(f"{source.value_name} {source.value_unit}")
     is_part = re.search(_OF_WHOLE, called)

@@ -17,7 +17,6 @@ from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.friction.parameters import MISSES, MachineFit, RateAndStateFit
 from asperity.friction.records import Record
 
-
 _FELT = 0.01
 """Least step of a recorded friction that matters, over a and b."""
 

@@ -27,7 +27,7 @@ _MOST_SHIFTS = _MOST_STEPS = 10**7
 
 _Duration = Annotated[float, Gt(0), Quantity("how long it lasts", "s")]
 _Mobility = Annotated[float, Gt(0), Quantity("factor on the mobility of creep meanwhile")]
-_Load = Annotated[float | None, Quantity("load at the end, below 0 where it pulls.", "N")]
+_Load = Annotated[float | None, Quantity("load at the end, below 0 where it pulls.", "N", of_line="N/m")]
 _Separation = Annotated[float | None, Quantity("separation at the end; instead of the load", "m")]
 _Pressure = Annotated[float | None, Quantity("load over nominal area at the end; instead of the load", "Pa")]
 _Approach = Annotated[

@@ -207,7 +207,9 @@ class Columns:
     def _by_column(self, units: Units | None) -> dict[int, str]:
         """Units stated by the user, by place of the column; a role is a name, too."""
         if not isinstance(units, Mapping):
-            pairs = [units] if isinstance(units, str) else units or []
+            parts = re.split(r"\s*[,;]\s*", units) if isinstance(units, str) else []
+            several = len(parts) > 1 and all("=" in part for part in parts)
+            pairs = parts if several else [units] if isinstance(units, str) else units or []
             if wrong := [pair for pair in pairs if "=" not in str(pair)]:
                 raise InputError("units", expected="a column and its unit, such as 1=MPa", got=repr(wrong[0]))
             units = dict(str(pair).rpartition("=")[::2] for pair in pairs)

@@ -145,7 +145,6 @@ def _load_of(question: SteadySliding, bodies: Bodies) -> float:
     """The normal load; `InputError` unless it presses."""
     given = {name: value for name in ("load", "pressure") if (value := getattr(question, name)) is not None}
     name, value = next(iter(given.items()))
-    units.check_units(given, si=bodies.si, line=bodies.lattice.dimension == 1)
     if not (load := control_by(bodies, name, value).value) > 0:
         raise InputError(name, expected="more than 0", got=checks.shown(value), advice=f"{name}=1.0")
     return float(load)

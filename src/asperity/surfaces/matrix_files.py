@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from asperity.base import checks
 from asperity.base.readable import is_length
+from asperity.base.units import factor
 from asperity.base.words import reason_of
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
@@ -108,14 +109,16 @@ def read_hdf5(path: Path, channel: str | int | None) -> RawSurface:
         listed = likely if channel is None else list(arrays)
         if arrays and not listed:
             got = ", ".join(f"{name!r} in {units[name]}".removesuffix(" in 1") for name in arrays)
-            cure = {"channel": next(iter(arrays))}
+            first = next(iter(arrays))
+            cure = {"channel": first} | ({"file_unit": "mm"} if factor(units[first], "m") else {})
             raise SurfaceFileError(str(path), expected="the name of an array of heights", got=got, cure=cure)
         chosen = _chosen(path, channel, {name: arrays[name].shape for name in listed})
         node = arrays[chosen]
         void = float(_attribute(node, "_FillValue", _attribute(node, "missing_value", math.nan)))
         values, rule = without(_heights(node[...]), void, "fill value")
         values = values * _attribute(node, "scale_factor", 1.0) + _attribute(node, "add_offset", 0.0)
-        heights = _heights(values.T if "MATLAB_class" in node.attrs else values)
+        turned = "MATLAB_class" in node.attrs or _axes(node) == ["x", "y"]
+        heights = _heights(values.T if turned else values)
     return RawSurface(
         heights,
         "hdf5",
@@ -124,6 +127,12 @@ def read_hdf5(path: Path, channel: str | int | None) -> RawSurface:
         channels=tuple(likely),
         undefined_by=(rule,) * math.isfinite(void),
     )
+
+
+def _axes(node: Any) -> list[str]:
+    """Names of the axes, in small letters; empty where they have none."""
+    names = (next((scale.name for scale in axis.values()), axis.label) for axis in node.dims)
+    return [str(name).rpartition("/")[2].lower() for name in names]
 
 
 @contextlib.contextmanager

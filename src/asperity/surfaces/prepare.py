@@ -15,7 +15,7 @@ from asperity.lattice import Field, Lattice
 # Other spellings of units; the third of um is UTF-8 read as Latin-1.
 _SPELLINGS = {
     "um": ("\u00b5m", "\u03bcm", "\u00c2\u00b5m"),
-    "angstrom": ("\u00c5", "\u212b", "A"),
+    "angstrom": ("\u00c5", "\u212b"),
     "1": ("",),
 }
 _ROUNDING = 1e-12  # rms of a flat surface without its tilt, over its largest height; relative error of waves

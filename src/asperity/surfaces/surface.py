@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from asperity.base import checks, readable, views
+from asperity.base.words import unit_of
 from asperity.errors import InputError, Name, Words
 from asperity.lattice import Edges, Field, Mask
 from asperity.surfaces import doubts, levelling, prepare
@@ -64,7 +65,10 @@ class Surface(views.InNotebooks):
     filled: Mask | None = None
 
     def __post_init__(self) -> None:
-        heights = check_heights(self.heights)
+        heights, stated = check_heights(self.heights), prepare.spelled(unit_of(self.heights))
+        if readable.is_length(stated):
+            object.__setattr__(self, "unit", stated if self.unit in ("1", None) else self.unit)
+            heights = heights * (readable.conversion(stated, prepare.spelled(self.unit)) or 1.0)
         heights.flags.writeable = False
         object.__setattr__(self, "heights", heights)
         for name, others in (("unit", ("1", "rms")), ("length_unit", (None,))):

@@ -35,7 +35,7 @@ from asperity.base.calls import remark
 from asperity.base.files import expanded
 from asperity.base.readable import written
 from asperity.base.version import __version__
-from asperity.base.words import reason_of, written_with_units
+from asperity.base.words import InUnits, has_unit, reason_of
 from asperity.errors import SHOWN_PROBLEMS, ConfigError, InputError
 from asperity.results.parameters import IN_A_LEG
 
@@ -195,8 +195,21 @@ def read_plan(path: str | Path) -> Plan:
 def plan_to_json(plan: Plan) -> str:
     """Write a plan as `load_plan` reads it."""
     axes = [[axis.section, axis.name, axis.values] for axis in plan.axes]
-    runs = [[run.identity, run.point, run.seed, to_tables(run.config), run.content] for run in plan.runs]
+    runs = [[run.identity, run.point, run.seed, with_units(run.config), run.content] for run in plan.runs]
     return json.dumps({"axes": axes, "seeds": plan.seeds, "zipped": plan.zipped, "runs": runs})
+
+
+def with_units(config: RunConfig) -> Any:
+    """Tables of a configuration for JSON, whose numbers with a unit keep it: a run may have none."""
+
+    def written_out(value: Any) -> Any:
+        if isinstance(value, InUnits):
+            return f"{value!r} {value.unit}"
+        if isinstance(value, dict):
+            return {name: written_out(one) for name, one in value.items()}
+        return [written_out(one) for one in value] if isinstance(value, list | tuple) else value
+
+    return written_out(to_tables(config))
 
 
 def load_plan(directory: str | Path) -> Plan:
@@ -462,9 +475,13 @@ def _axis(section: str, name: str, values: Sequence[object], configs: Mapping[in
     labels = []
     for number, value in enumerate(values):
         taken = value_at(configs[number], section, name)
-        label = _label(taken if list(written_with_units(taken)) else value)
+        label = _label(taken if _has_units(value) else value)
         labels.append(float(label) if isinstance(label, float) else label)
     return Axis(section, name, tuple(labels))
+
+
+def _has_units(value: object) -> bool:
+    return any(map(_has_units, value)) if isinstance(value, list | tuple) else has_unit(value)
 
 
 def value_at(config: RunConfig, section: str, name: str) -> Any:

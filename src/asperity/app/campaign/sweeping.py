@@ -13,10 +13,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from asperity.app.campaign.cluster import ATTEMPTS, connect, ended
-from asperity.app.campaign.plan import Plan, Run, plan_to_json
+from asperity.app.campaign.plan import Plan, Run, plan_to_json, with_units
 from asperity.app.campaign.store import Store
 from asperity.app.campaign.worker import Report, run_task
-from asperity.app.config import to_tables
 from asperity.app.runs.loops import compile_loops
 from asperity.base import checks
 from asperity.base.files import expanded, without_links
@@ -171,7 +170,7 @@ def _round(client: Client, store: Store, runs: Sequence[Run], take: Callable[[Re
     by_key = {f"run-{run.identity}-{clock.monotonic_ns()}": run for run in runs}
     futures = []
     for key, run in by_key.items():
-        asked = run.identity, json.dumps(to_tables(run.config)), run.content, __version__
+        asked = run.identity, json.dumps(with_units(run.config)), run.content, __version__
         futures.append(client.submit(run_task, str(store.directory), *asked, key=key, pure=False))
     busy = []
     try:
