@@ -405,3 +405,12 @@ def test_heights_without_a_unit_are_given_that_of_the_file(tmp_path):
         read(tmp_path / "scan.txt", unit="um", tilt="none")
     surface = read(tmp_path / "scan.txt", unit="um", tilt="none", file_unit="um")
     np.testing.assert_allclose(surface.heights, H)
+
+
+@pytest.mark.parametrize("constant", [0, 1])
+def test_points_of_one_line_are_a_profile(constant):
+    along, heights = np.arange(0.0, 5.0, 0.1), np.random.default_rng(0).normal(size=50)
+    columns = np.column_stack([*np.insert([along], constant, 2.5, axis=0), heights])
+    np.savetxt("line.xyz", columns, header="x [um] y [um] z [nm]")
+    profile, _ = found("line.xyz")
+    np.testing.assert_allclose(profile.heights, heights if constant else heights[::-1])

@@ -191,3 +191,10 @@ def test_friction_in_steps_beyond_the_misfit_is_noted():
 def test_normal_forces_below_0_are_to_be_turned():
     with refuses("t.csv", "-10 to -9 N"):
         read_record(written("time_s,x_um,Fx_N,Fz_N\n0,0,5,-10\n1,1,5,-10\n2,2,5,-9\n"))
+
+
+def test_units_of_several_columns_stand_in_one_text():
+    file = written("time,load\n0,1\n2,3\n")
+    for units in ("time=min, load=mN", ["time=min", "load=mN"]):
+        history = measured(file, units=units)
+        assert (history.start, history[0].duration) == ({"load": 1e-3}, 120.0)

@@ -151,7 +151,7 @@ def test_quantities_of_pint_are_texts_with_units() -> None:
     np.testing.assert_allclose(age(both[0], of([1, 2], "ms")).time, [0, 1e-3, 2e-3])
     with refuses("load", "'10 MPa'"):
         press(SCAN, HALF_SPACE, load=of(10, "MPa"))
-    with refuses("units", "'1 newton'"):
+    with refuses("units", "'1 N'"):
         press(BARE, HALF_SPACE, load=of(1, "N"))
 
 
@@ -166,7 +166,7 @@ def test_units_are_refused_where_there_are_none_and_others_than_expected() -> No
         ("units", age, plain, ["1 s", "1 min"]),
         ("units", partial(age, protocol=legs[0]), plain, [1.0]),
         ("load", partial(press, load="1 N"), RIDGES, HALF_SPACE),
-        ("load", partial(age, protocol=legs[1]), line, [1.0]),
+        ("protocol", partial(age, protocol=legs[1]), line, [1.0]),
         got="'10 MPa' | 'ten N' | '5' | '10 mN 5' | '1 N' | '1 N' | '1 s' | '1 min' | '1 N' | '1 N'",
     )
 

@@ -2,6 +2,7 @@
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,21 +10,22 @@ import xarray as xr
 
 import asperity as asp
 import asperity.app.campaign as campaign
+from asperity import protocols
 from asperity.app.config import config_from
 from asperity.app.runs import Progress, execute
 from asperity.base.words import written_with_units
 from asperity.errors import ConfigError, InputError
-from asperity.protocols import Ramp
 from tests.campaign.conftest import do_here
 from tests.refusals import refuses
 
 pytestmark = pytest.mark.usefixtures("here")
+RAMP: Any = protocols.Ramp
 HALF_SPACE = asp.solids.half_space(modulus=3e9, branches=[(0.3, 1.0)])
 ROUGH = asp.surfaces.spectral((16, 16), rms_height=0.05, spacing=0.5, unit="um")
-PROFILE = asp.surfaces.Surface(-(np.linspace(-20.0, 20.0, 65)[:-1] ** 2) / 2e3, "um", 0.625, "um")
+PROFILE = asp.surfaces.Surface(-(np.linspace(-20.0, 20.0, 65)[:-1] ** 2) / 2e3, "um", (0.625,), "um")
 
 
-def of(value: object, unit: str) -> xr.DataArray:
+def of(value: object, unit: str) -> Any:
     return xr.DataArray(value, attrs={"units": unit})
 
 
@@ -37,8 +39,8 @@ def test_a_load_on_a_profile_is_one_for_each_metre_and_on_a_surface_it_is_none()
     for surface, right, wrong in ((PROFILE, "2 kN/m", "2 kN"), (ROUGH, "2 N", "2 N/m")):
         contact = asp.press(surface, HALF_SPACE, pressure="3 MPa")
         with refuses("protocol", repr(wrong)):
-            asp.age(contact, [0.0], protocol=Ramp("1 s", load=wrong))
-        end = asp.age(contact, [0.0], protocol=Ramp("1 s", load=right))["load"].values[-1]
+            asp.age(contact, [0.0], protocol=RAMP("1 s", load=wrong))
+        end = asp.age(contact, [0.0], protocol=RAMP("1 s", load=right))["load"].values[-1]
         assert end == pytest.approx(float(right[0]) * (1e3 if "k" in right else 1))
 
 
@@ -69,7 +71,7 @@ def test_arrays_that_state_a_unit_are_in_it():
     assert asp.solids.half_space(modulus=of(3.0, "GPa")).modulus == 3e9
     history = asp.age(contact, of([100.0, 1000.0], "ms"))
     np.testing.assert_allclose(history.time, [0, 0.1, 1])
-    assert Ramp(of(2.0, "ms"), load=of(1.0, "mN")) == Ramp("2 ms", load="1 mN")
+    assert RAMP(of(2.0, "ms"), load=of(1.0, "mN")) == RAMP("2 ms", load="1 mN")
     assert contact.resistance(of(17.0, "nohm m")) == contact.resistance("17 nohm m")
     law = asp.law(HALF_SPACE, ROUGH, pressures=of([1.0, 4.0], "MPa"), times=0, per_decade=1)
     np.testing.assert_allclose(law["pressure"], [1e6, 4e6])
@@ -89,7 +91,7 @@ def test_arrays_that_state_a_unit_are_in_it():
 def test_heights_that_state_a_unit_are_in_it():
     nanometers = of(1e3 * np.asarray(ROUGH.heights), "nm")
     for unit in ("um", "1"):
-        surface = asp.surfaces.Surface(nanometers, unit, 0.5, "um")
+        surface = asp.surfaces.Surface(nanometers, unit, (0.5, 0.5), "um")
         heights, _ = surface.in_meters()
         np.testing.assert_allclose(heights, ROUGH.in_meters()[0], rtol=1e-12)
 

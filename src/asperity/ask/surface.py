@@ -133,7 +133,7 @@ class MeasuredSurface(SurfaceSection.of_kind("file", KINDS["file"])):  # type: i
         if {"edges", "periodic"} <= self.stated and self.edges and self.periodic != rule:
             expected = f"{rule!r} beside edges {self.edges!r}"
             raise self.wrong("periodic", expected=expected, got=repr(self.periodic), cure={"periodic": rule})
-        vars(self)["periodic"] = rule
+        self._set({"periodic": rule}, self.stated)
 
     @property
     def rule(self) -> Literal["mirror", "reflect", "taper", "wrap", "free"]:

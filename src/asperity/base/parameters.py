@@ -220,7 +220,8 @@ class Parameter:
     def _number(self, name: str, value: object) -> float:
         if "inf" in self.kinds and isinstance(value, str | float) and value in ("inf", math.inf):
             return math.inf
-        return units.number(name, value, self.unit, of_line=self.quantity.of_line, **self.bounds)
+        of_line = next((fact.of_line for fact in self.facts if isinstance(fact, Quantity)), "")
+        return units.number(name, value, self.unit, of_line=of_line, **self.bounds)
 
 
 def parameters_of(kind: Callable[..., Any]) -> dict[str, Parameter]:

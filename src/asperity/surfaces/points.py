@@ -95,9 +95,11 @@ def grid_of(name: str, points: Field) -> tuple[Field, tuple[float, ...]]:
     Points x, z of a profile have the shape (n, 2), points x, y, z the shape (n, 3); y is upward.
     """
     x, *y, z = points[~np.isnan(points[:, -1])].T
-    lines = [numbered for places in (*(-places for places in y), x) if (numbered := _numbered(places))]
+    every = (*(-places for places in y), x)
+    axes = [places for places in every if places.max() > places.min()]  # of one line, one varies
+    lines = [numbered for places in axes if (numbered := _numbered(places))]
     shape = tuple(int(number.max()) + 1 for number, _ in lines)
-    if len(shape) < len(y) + 1 or math.prod(shape) > _SPARSE * z.size:
+    if not shape or len(shape) < len(axes) or math.prod(shape) > _SPARSE * z.size:
         expected = f"points {'x, y, z' if y else 'x, z'} of a regular grid"
         got, advice = f"{len(points)} scattered points", "heights interpolated to a grid"
         raise SurfaceFileError(name, expected=expected, got=got, advice=advice)

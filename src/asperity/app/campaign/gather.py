@@ -76,7 +76,7 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
     dataset, over = _placed(plan, found, described)
     units = units_named({name: attrs["units"] for name, attrs in described.items()})
     if (of_lengths := getattr(next(iter(runs.values())).config.surface, "unit", None)) is not None:
-        units |= dict.fromkeys(("length unit", "height unit"), of_lengths)
+        units = {**units, **dict.fromkeys(("length unit", "height unit"), of_lengths)}
     coordinate = {name: (one.long_name, one.dimension) for name, one in select("coordinate").items()}
     known = {name: (attrs["long_name"], attrs["units"]) for name, attrs in described.items()}
     for name in map(str, dataset.coords):

@@ -64,7 +64,8 @@ def flags_for(*sections: str) -> type[Flags]:
     keys = {f"{section}_{key.name}": (section, key) for one in sections for section, key in keys_for(one)}
     # Of a run, a number may be without a unit.
     quantity = "QUANTITY" if QUESTIONS.keys() & {*sections} else "FLOAT"
-    fields = [(name, _annotation(*key, quantity), None) for name, key in keys.items()]
+    of_heights = any(key.name == "unit" for _, key in keys.values())
+    fields = [(name, _annotation(*key, quantity, alias=not of_heights), None) for name, key in keys.items()]
     facts = {"__module__": __name__, "keys": keys}
     flags = dataclasses.make_dataclass("flags", fields, bases=(Flags,), namespace=facts, kw_only=True)
     return Parameter(name="*")(flags)
@@ -247,7 +248,7 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
                 yield section, dataclasses.replace(key, name=named)
 
 
-def _annotation(section: str, key: Key, quantity: str) -> object:
+def _annotation(section: str, key: Key, quantity: str, *, alias: bool) -> object:
     from asperity.app.config.mistakes import flag_of
     from asperity.ask.run import ORDER
 
@@ -261,7 +262,7 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
     one = key.what.removesuffix("s")
     paired = one == "pair"  # two words in one argument, which may be given again
     parameter = Parameter(
-        name=("--unit", name) if name == "--units" and quantity == "QUANTITY" else name,
+        name=("--unit", name) if name == "--units" and alias else name,
         group=group,
         help=text,
         metavar=_METAVARS.get(key.name) or (quantity if key.unit else _METAVARS.get(one, one.upper())),
