@@ -163,19 +163,20 @@ def _check_decimals(
     lines: list[tuple[int, str]], separator: str, decimal: str, fail: Callable[..., InputError]
 ) -> None:
     """Refuse commas of which each may be a decimal one, or one between thousands."""
-    grouped = (0, "")
-    for number, line in lines:
-        for cell in _cells(line, separator):
-            if decimal != "," or "," not in cell or _number(cell, ",") is None:
-                continue
-            if not GROUPED.fullmatch(cell):
-                return
-            grouped = number, cell
-    number, cell = grouped
-    if not cell:
+    if decimal == ".":
         return
-    advice = "decimal points, or no separators between thousands"
-    raise fail(expected=f"decimal commas or thousands, in line {number}", got=repr(cell), advice=advice)
+    every = ((number, cell) for number, line in lines for cell in _cells(line, separator) if "," in cell)
+    ambiguous = None
+    for number, cell in every:
+        if _number(cell, decimal) is None:
+            continue
+        if not GROUPED.fullmatch(cell):
+            return
+        ambiguous = number, cell
+    if ambiguous is not None:
+        expected = f"decimal commas or thousands, in line {ambiguous[0]}"
+        advice = "decimal points, or no separators between thousands"
+        raise fail(expected=expected, got=repr(ambiguous[1]), advice=advice)
 
 
 def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) -> tuple[int, int, int]:
