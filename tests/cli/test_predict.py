@@ -27,6 +27,7 @@ from asperity.relaxation.materials import relaxing_of
 from tests.cli.conftest import rows_of
 from tests.refusals import refuses
 
+pytestmark = pytest.mark.xdist_group("predict")  # in one process, which predicts once
 TAU = 30e6
 LENGTHS: dict[str, Any] = {"file_unit": "nm", "pixel_size": 50.0, "length_unit": "nm"}
 

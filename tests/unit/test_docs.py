@@ -18,6 +18,7 @@ from tests.named import ROOT, SOURCE, Source, in_docstrings, in_pages
 from tests.surfaces import uncorrelated
 from tests.unit.test_house import ROOMS, ROOMS_OF_RESEARCH
 
+pytestmark = pytest.mark.xdist_group("docs")  # in one process, which makes the pages once
 DOCS = ROOT / "docs"
 PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "benchmarks/README.md")),
