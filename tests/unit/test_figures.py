@@ -22,6 +22,7 @@ from asperity.base.readable import written
 from asperity.base.words import power
 from asperity.figures.contacts import COLORS
 from asperity.figures.surface import SurfaceView
+from asperity.figures.writing import table_of
 from asperity.fits import measured_growth
 from asperity.protocols import Hold, Leg, Ramp, Repeat, Slide, Step
 from asperity.solids import half_space, spring_lattice
@@ -302,6 +303,8 @@ def test_a_campaign_shows_the_mean_of_each_point_and_its_standard_error() -> Non
     assert edges.min() == pytest.approx(0.9 * 6 * (1 + np.log1p(0.1)))
     assert "mean of 6 seeds ± standard error" in figure.get_suptitle()
     assert "drawn" not in figure.get_suptitle()
+    names = next(line for line in table_of(figure).splitlines() if line[0] != "#")
+    assert '"k1 = 1, load = 1: real contact [% of nominal area]"' in names
 
 
 def test_a_campaign_of_many_points_shows_some_and_says_so() -> None:

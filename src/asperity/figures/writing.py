@@ -120,12 +120,14 @@ def _columns(figure: Drawing) -> Iterator[tuple[str, Any]]:
         shared = axes.get_shared_x_axes().get_siblings(axes)[::-1]
         title = axes.get_title().partition("\n")[0]
         across = next(filter(None, [*(each.get_xlabel() for each in (axes, *shared)), title, "x"]))
-        along = axes.get_ylabel() or title or "y"
+        along = axes.get_ylabel() or figure.get_supylabel() or title or "y"
+        panel = f"{title}, " if title and along == figure.get_supylabel() else ""
         for label, x, series in chain(*getattr(axes, "series", {}).values()):
             if (across, tuple(x)) != place:
                 place = across, tuple(x)
                 yield place
-            named = f"{label.removeprefix('_').partition(chr(10))[0]}: " if label else ""
+            named = f"{panel}{label.removeprefix('_').partition(chr(10))[0]}".removesuffix(", ")
+            named += ": " * bool(named)
             for ending, values in series.items():
                 quantity, bracket, unit = along.partition(" [")
                 yield f"{named}{quantity}{ending}{bracket}{unit}", values

@@ -38,7 +38,7 @@ from asperity.surfaces import Surface, read
 TITLE = "Steady sliding"
 
 COLUMNS = {
-    "hysteresis_friction_coefficient": ("1", "dissipation in the solid over speed and load"),
+    "hysteresis_friction_coefficient": ("1", "hysteresis friction: dissipation over speed and load"),
     "friction_coefficient": ("1", "hysteresis, and shear strength times real contact area, over load"),
     "contact_area": ("area", "real contact area"),
     "contact_area_corrected": ("area", "real contact area, corrected for pixel rims"),
