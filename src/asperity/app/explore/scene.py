@@ -26,12 +26,14 @@ from asperity.analysis.legs import leg_table, numbers_of
 from asperity.analysis.maps import on_the_surface
 from asperity.app.config import RunConfig, to_tables, to_toml
 from asperity.app.runs import Outcome
+from asperity.ask.strength import ShearStrength
 from asperity.base.words import finite
 from asperity.lattice import Edges, Field, Mask
 from asperity.patches import patches
 from asperity.protocols.schedule import Schedule
 from asperity.results.dataset import Moment, dataset_of, moment_of
 from asperity.results.quantities import PAGE, Quantity, areas_first, select
+from asperity.results.tabor import coming_velocity
 
 Header = dict[str, Any]
 Arrays = dict[str, NDArray[Any]]
@@ -49,6 +51,9 @@ _RISE = 1e-9  # of a load that is more than rounding
 
 _A_MESSAGE = 4e6
 """Bytes of maps after which a message is sent off."""
+
+_STRENGTH = "relative_strength"
+"""Shear strength over the one that is stated, where it depends on velocity or age."""
 
 _SERIES, _PATCHES = select("series", table=PAGE), select("map", table=PAGE)
 
@@ -175,6 +180,9 @@ class Recording:
     maps: list[Map] = field(default_factory=list)
     stage: str = ""
     end: Header | None = None
+    _law: ShearStrength | None = None
+    _strengths: Sequence[float] = ()
+    """Shear strength in each leg, over that stated; without growth."""
     _first: Mapping[str, float] | None = None
     """The reference entry: the first, or after a first load of 0 the end of the rise."""
     _last: Mapping[str, float] | None = None
@@ -184,6 +192,9 @@ class Recording:
         """Describe the scene by a dataset of the run, however short."""
         self.scene, self.heights = _scene(dataset, config, title)
         self.scene |= facts
+        if config is not None and (law := config.friction.strength) is not None:
+            speeds = np.array([leg.speed or 0.0 for leg in config.written_out] or [0.0])
+            self._law, self._strengths = law, (law.at(coming_velocity(speeds)) / law.strength).tolist()
 
     def add_row(self, row: Mapping[str, float]) -> None:
         """Add an entry of the time series, by the names of the dataset."""
@@ -194,7 +205,12 @@ class Recording:
             self._rises = row["load"] > self._first["load"] * (1 + _RISE)
             self._first = row if self._rises else self._first
         columns, switches = self.scene["columns"], self.scene["switches"]
-        self.rows.append(_numbers(row, columns, self._first, self._last or row, switches))
+        entry = dict(row)
+        if self._law is not None and "strength_mean" in row:
+            entry[_STRENGTH] = row["strength_mean"] / self._law.strength
+        elif self._law is not None:
+            entry[_STRENGTH] = self._strengths[int(row.get("leg", 0))] + row.get("grown", 0.0)
+        self.rows.append(_numbers(entry, columns, self._first, self._last or row, switches))
         self._last = row
 
     def next(self, cursor: Cursor) -> tuple[Header, Arrays] | None:
@@ -263,7 +279,8 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
     """Make the recording of a finished history: rows, and the maps that it kept."""
     recording = Recording(job)
     recording.begin(dataset, config, title)
-    names = [name for name in ("time", *_SERIES, *_ends(dataset), "mean_contact_pressure") if name in dataset]
+    every = ("time", *_SERIES, *_ends(dataset), "mean_contact_pressure", "strength_mean")
+    names = [name for name in every if name in dataset]
     series = {name: dataset[name].values.tolist() for name in names} | {"leg": numbers_of(dataset).tolist()}
     for number in range(dataset.sizes["time"]):
         recording.add_row({name: values[number] for name, values in series.items()})
@@ -339,7 +356,9 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
     steps = np.where(body, heights - low, 0.0) * (_STEPS / (high - low) if high > low else 0.0)
     lengths = "contact_area" in dataset
     series = [name for name in (*_SERIES, *_ends(dataset)) if name in dataset]
-    columns = ["time", "leg", *series, *_MADE]
+    law = None if config is None else config.friction.strength
+    varies = law is not None and (law.rate_coefficient or law.ages)
+    columns = ["time", "leg", *series, *_MADE, *([_STRENGTH] if varies else [])]
     more = _MADE | _PATCHES
     shown = {name: _SERIES[name] for name in areas_first(_SERIES) if name in series} | more
     unit = {name: str(dataset[name].attrs.get("units", "1")) for name in ("time", "heights", *series)}
@@ -373,7 +392,7 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
         "last_time": float(dataset["time"][-1]),
         "height_range": [low, high],
         "ends": ends,
-        "shear_strength": None if config is None else config.friction.shear_strength,
+        "shear_strength": None if law is None else law.strength,
     }
     return header, np.rint(steps).astype(np.uint16)
 

@@ -42,6 +42,7 @@ function picture(app, map, scale = 2) {
 function table(scene) {
   const columns = [...scene.columns, ...(scene.map_columns || []).filter((name) => scene.has(name))];
   const named = columns.map((name) => {
+    if (name === "friction" && scene.shear) return `friction coefficient (shear strength ${typed(scene.shear)})`;
     const unit = scene.column_units[name];
     const text = unit && unit !== "1" ? `${name} [${unit}]` : name;
     return /[",]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;

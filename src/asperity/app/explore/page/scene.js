@@ -51,7 +51,8 @@ class Scene {
     // With a shear strength it is the coefficient: strength times area (less rim) over load.
     if (name === "friction" && this.shear) {
       const area = this.columns.includes("contact_area_corrected") ? "contact_area_corrected" : "area";
-      return this.shear * this.value(row, area) / this.value(row, "load");
+      const strength = this.shear * (this.columns.includes("relative_strength") ? this.value(row, "relative_strength") : 1);
+      return strength * this.value(row, area) / this.value(row, "load");
     }
     return at < 0 || !this.rows[row] ? NaN : this.rows[row][at];
   }
