@@ -207,7 +207,7 @@ class Continuum(SolidSection):
         for key in ("branches", "creep"):
             if getattr(self, key, None):
                 expected = "none beside a relaxation table, which is that of a linear solid"
-                raise self.wrong(key, expected=expected, got="both", advice=(Name("young"), " in its place"))
+                raise self.wrong(key, expected=expected, got="both", advice="one of them")
         if isinstance(self.young, list) and len(self.young) > 1:
             advice = "asperity.relaxation"
             raise self.wrong("relaxation", expected="one body beside it", got="two", advice=advice)

@@ -16,7 +16,7 @@ import numpy as np
 from asperity.base import units as si
 from asperity.base.checks import Floats
 from asperity.base.words import shortened
-from asperity.errors import LARGEST, InputError
+from asperity.errors import LARGEST, InputError, Name
 from asperity.sheets.tables import GROUPED, Table, read_table
 
 Chosen = Sequence[int | str] | int | str
@@ -181,8 +181,7 @@ class Columns:
         if factor is None and (is_stated or not below or beside in ("", below)):  # not two units
             factor = _in(self._spelled(text), role.unit, is_angular)
         if factor is None:
-            other = si.factor(text, text) is not None  # a column of something else, not one without a unit
-            raise self._no_unit(role, at, repr(text), mended=not other)
+            raise self._no_unit(role, at, repr(text))
         return text.removeprefix("in "), factor
 
     def _spelled(self, unit: str) -> str | None:
@@ -193,13 +192,18 @@ class Columns:
         unclear = written.isupper() and not in_case and re.search(r"\bM[A-Z]", unit)
         return None if unclear else si.spelled(unit)
 
-    def _no_unit(self, role: Role, at: int, got: str, *, mended: bool = True) -> InputError:
+    def _no_unit(self, role: Role, at: int, got: str) -> InputError:
         example, name = _EXAMPLES.get(role.unit, role.unit), self.table.names[at]
         column = name if re.fullmatch(r"\w[\w ]*", name) else at
-        expected, cure = f"a unit of {role.name}, such as {example}", {"units": f"{column}={example}"}
+        expected = f"a unit of {role.name}, such as {example}"
         if at in self._stated:
             return InputError("units", expected=expected, got=got)
-        return InputError(self._about(at), expected=expected, got=got, cure=cure if mended else {})
+        if got == "none":
+            cure = {"units": f"{column}={example}"}
+            return InputError(self._about(at), expected=expected, got=got, cure=cure)
+        # Another example would be another factor.
+        advice = Name("units"), " with the one of its numbers"
+        return InputError(self._about(at), expected=expected, got=got, advice=advice)
 
     def _about(self, at: int) -> str:
         return f"column {self.table.names[at] or at!r} of {self.table.name}"

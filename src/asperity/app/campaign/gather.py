@@ -244,7 +244,8 @@ def _in_common(plan: Plan, units: Units) -> dict[str, Any]:
         if axis.section == "protocol":
             swept[axis.name] = list(axis.values)
             continue
-        swept[axis.name] = [value_at(at[i], axis.section, axis.name) for i in range(len(at))]
+        of_runs = [value_at(at[i], axis.section, axis.name) for i in range(len(at))]
+        swept[axis.name] = list(axis.values) if None in of_runs else of_runs
         tables[axis.section].pop(axis.name, None)  # an entry of a list stays: the list has no holes
     if plan.seeds:
         first, count = plan.seeds[0], len(plan.seeds)

@@ -474,7 +474,10 @@ def _axis(section: str, name: str, values: Sequence[object], configs: Mapping[in
     """An axis, with its values as they were written; those with units in SI."""
     labels = []
     for number, value in enumerate(values):
-        taken = value_at(configs[number], section, name)
+        config = configs[number]
+        taken = value_at(config, section, name)
+        if taken is None:  # it went into what a table gave
+            taken = config.parts[section].keys[name].read(name, value)
         label = _label(taken if _has_units(value) else value)
         labels.append(float(label) if isinstance(label, float) else label)
     return Axis(section, name, tuple(labels))

@@ -32,13 +32,15 @@ def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistak
         case SurfaceFileError():
             return mistake(brief(str(error)), "surface.path")
         case ConfigError():
-            said = [{"where": _place(one), "text": _told(one)} for one in error.mistakes[:SHOWN_PROBLEMS]]
+            first = error.mistakes[:SHOWN_PROBLEMS]
+            said = [{"where": _place(one), "text": _told(one, shown)} for one in first]
             return said + [{"where": "", "text": line} for line in error.shown[len(said) :]]
         case InputError():
             name = error.name.removeprefix("--").replace("-", "_")
             homes = (one for one, kinds in KINDS.items() if any(name in kind.keys for kind in kinds.values()))
             home = next(homes, "")
-            return mistake(_told(error.about(name, home, name) if home else error), home and f"{home}.{name}")
+            at_home = error.about(name, home, name) if home else error
+            return mistake(_told(at_home, shown), home and f"{home}.{name}")
         case AsperityError():
             return mistake(brief(str(error)))
         case MemoryError():
@@ -54,17 +56,18 @@ def _place(mistake: InputError) -> str:
     return "".join(parts).removeprefix(".")
 
 
-def _told(mistake: InputError) -> str:
+def _told(mistake: InputError, shown: Shown | None) -> str:
     """A mistake in the words of the form, whose fields say what it is about; legs have none."""
+    about = mistake.name
+    for path, (_, name, _) in (shown or {}).items():
+        about = about.replace(path, name)
     section, *rest = mistake.path or ("",)
     key = str(rest[-1]) if rest else section
     at_field = mistake.name == key and section != "protocol"
 
     def spell(name: str) -> str:
-        return name.replace("_", " ")
+        return name.replace("_", " ") if name.isidentifier() else name
 
     return brief(
-        mistake.told(
-            "" if at_field else spell(mistake.name), spell, lambda name, value: f"{spell(name)} {value}"
-        )
+        mistake.told("" if at_field else spell(about), spell, lambda name, value: f"{spell(name)} {value}")
     )

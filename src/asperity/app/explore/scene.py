@@ -284,7 +284,7 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
     series = {name: dataset[name].values.tolist() for name in names} | {"leg": numbers_of(dataset).tolist()}
     for number in range(dataset.sizes["time"]):
         recording.add_row({name: values[number] for name, values in series.items()})
-    count = dataset.sizes.get("field_time", 0)
+    count = dataset.sizes["field_time"] if "in_contact" in dataset else 0
     legs = dataset["field_leg"].values.tolist() if "field_leg" in dataset.coords else [0] * count
     placed = on_the_surface(dataset)
     for number in _spread(count, most_maps(dataset["heights"].size)):

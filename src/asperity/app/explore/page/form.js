@@ -53,6 +53,7 @@ class Form {
     this.protocol = [];
     this.output = {};
     this.note = ""; // what was changed with the kind of the solid
+    this.filled = {}; // what a kind of solid needed, and nobody typed
     this.chosen = null; // the configuration of the run shown, with nothing left open
     const choice = element("select", { id: "question" }, ...Object.entries(QUESTIONS).map(([value, [title]]) => element("option", { value }, title)));
     choice.addEventListener("change", () => this.ask(choice.value));
@@ -80,10 +81,23 @@ class Form {
     this.question = question;
     if (question && !this.hasModulus()) for (const section of ["surface", "solid", "contact"]) this.take(section, POLYMER[section]);
     for (const [section, given] of Object.entries(QUESTIONS[question][2])) {
-      if (!Object.values(this.values[section]).some(Boolean)) this.give(section, given);
+      const held = this.values[section], typed = section === "contact" ? Object.keys(held) : Object.keys(given);
+      if (!typed.some((name) => held[name])) this.give(section, given);
     }
-    this.write(this.read());
+    this.show(); // what this question does not use stays for another one
   }
+
+  /** Show the question and the fields of all sections. */
+  show() {
+    byId("question").value = this.question;
+    byId("press").textContent = QUESTIONS[this.question][1];
+    for (const section of Object.keys(this.values)) this.fill(section);
+    this.takeHistory(this.protocol);
+    this.mistakes([]);
+  }
+
+  /** Whether the question takes a history. */
+  get ages() { return !this.questions[this.question]?.refused.includes("protocol."); }
 
   /** Whether the numbers of a solid are in SI: springs between sites have no modulus. */
   hasModulus(kind = this.kinds.solid) {
@@ -162,7 +176,7 @@ class Form {
       if (this.protocol.length && section === "aging") for (const name of ["last", "hold", "times"]) delete found[name];
       if (Object.keys(found).length || section === this.question) config[section] = found;
     }
-    if (this.protocol.length && !this.questions[this.question]?.refused.includes("protocol.")) config.protocol = this.protocol;
+    if (this.protocol.length && this.ages) config.protocol = this.protocol;
     if (Object.keys(this.output).length) config.output = this.output;
     return config;
   }
@@ -170,15 +184,13 @@ class Form {
   /** Show a configuration, whole or as differences from the defaults. */
   write(config) {
     this.note = "";
+    this.filled = {};
     this.question = Object.keys(this.questions).find((name) => name in config) ?? "";
-    byId("question").value = this.question;
-    byId("press").textContent = QUESTIONS[this.question][1];
     for (const section of Object.keys(this.values)) this.take(section, config[section] || {});
-    for (const section of Object.keys(this.values)) this.fill(section);
     const { maps_at: _maps, figures: _figures, measured: _measured, ...output } = config.output || {};
     this.output = output;
-    this.takeHistory(config.protocol || []);
-    this.mistakes([]);
+    this.protocol = config.protocol || [];
+    this.show();
   }
 
   /** Take the kind and the values of a section, and no others. */
@@ -198,15 +210,17 @@ class Form {
   takeHistory(protocol) {
     this.protocol = protocol;
     const history = byId("history");
-    history.hidden = !this.protocol.length;
+    history.hidden = !(this.protocol.length && this.ages);
     history.firstElementChild.textContent = `History: ${this.protocol.map(legInWords).join(", ")}.`;
   }
 
   /** Give a solid of another kind what it needs to be pressed, and a surface and a load that are in its units. */
   suit(before) {
     const held = this.values.solid, lattice = (kind) => !this.hasModulus(kind), blank = (name) => !held[name]?.trim();
+    for (const [name, text] of Object.entries(this.filled)) if (held[name] === text) delete held[name];
     const needed = this.keys("solid").filter((key) => key.required && blank(key.name));
     this.give("solid", Object.fromEntries(needed.map(({ name }) => [name, FILM[name]])));
+    this.filled = Object.fromEntries(needed.map(({ name }) => [name, held[name]]));
     if (["modulus", "young", "branches", "relaxation", "flow", "creep"].every(blank)) this.give("solid", POLYMER.solid);
     this.note = "";
     if (lattice(before) === lattice(this.kinds.solid)) return;

@@ -185,8 +185,9 @@ async function upload(file, field = "surface.path") {
     if (section === "surface") {
       config.surface = { ...(config.surface?.kind === "file" ? config.surface : {}), kind: "file", path: told.path };
       if (config.contact?.load !== undefined) delete config.contact; // a pressure means the same on any area
-      config.protocol = [];
+      if (/"(load|separation|approach|distance)":[^n]/.test(JSON.stringify(config.protocol ?? []))) config.protocol = []; // and so do its legs
     } else config[section] = { ...config[section], [key]: told.path };
+    if (key === "relaxation") for (const known of ["branches", "flow", "creep", "modulus", "young"]) delete config.solid[known]; // the table gives them
     forgetCampaign();
     app.form.write(config);
     ask({ kind: "run", config: app.form.read() });
