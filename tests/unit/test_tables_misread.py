@@ -56,7 +56,7 @@ def test_a_power_of_ten_is_one_with_an_exponent():
 @pytest.mark.parametrize("separator", ["\t", ";"])
 def test_a_comma_before_three_digits_in_every_number_is_asked_for(separator):
     rows = "".join(f"{t}{separator}{E}\n" for t, E in zip((1, 2, 5, 10), MODULI, strict=True))
-    with refuses("t.csv", "'2,800'"):
+    with refuses("t.csv", "'3,200'"):
         read(written(f"Time (s){separator}E (MPa)\n{rows}20{separator}2,800\n"))
     table = read_table(Path(written(f"Time (s){separator}E (MPa)\n{rows}20{separator}2,80\n")))
     np.testing.assert_allclose(table.values[:, 1], [3.2, 3.1, 3.0, 2.9, 2.8])
@@ -106,7 +106,12 @@ def test_capitals_alone_do_not_tell_milli_from_mega():
 
 
 def test_percent_and_permille_in_words():
-    for name, part in (("strain percent", 100), ("Dehnung [‰]", 1000), ("creep strain (%)", 100)):
+    for name, part in (
+        ("strain percent", 100),
+        ("Percent strain", 100),
+        ("Dehnung [‰]", 1000),
+        ("creep strain (%)", 100),
+    ):
         data = read(written(f"t (s);{name}\n1;2\n2;2.5\n5;3\n10;3.5\n20;3.6\n"), stress="1 MPa")
         assert isinstance(data, Creep)
         np.testing.assert_allclose(data.compliance, np.array([2, 2.5, 3, 3.5, 3.6]) / part / 1e6)
@@ -198,3 +203,93 @@ def test_units_of_several_columns_stand_in_one_text():
     for units in ("time=min, load=mN", ["time=min", "load=mN"]):
         history = measured(file, units=units)
         assert (history.start, history[0].duration) == ({"load": 1e-3}, 120.0)
+
+
+@pytest.mark.parametrize("name", ["T (°C)", "T [K]", "T_C", "Nr.", "ID", "Sample", "Run no."])
+def test_what_is_no_quantity_is_not_one_as_nothing_else_is(name):
+    with refuses("t.csv"):
+        read_measurements(written(f"t (s);{name};Friction force (N)\n1;23;5\n2;23.1;6\n"), "friction")
+
+
+def test_a_row_of_units_may_end_with_an_empty_cell():
+    rows = "".join(f"{t};{t};0.6\n" for t in range(4))
+    record = read_record(written(f"Time;Slip;Friction\nmin;mm;\n{rows}"))
+    assert record.si
+    np.testing.assert_allclose(record.time, 60 * np.arange(4))
+    found = read_measurements(written("Hold time;Contact area;Valid\nmin;um2;\n1;2;1\n2;3;1\n"), "area")
+    assert (found.time_unit, found.value_unit) == ("min", "um2")
+
+
+@pytest.mark.parametrize("name", ["Strain (%) mean", "Dehnung, ‰", "strain_ppm", "Microstrain"])
+def test_parts_of_one_in_a_name_are_asked_for(name):
+    with refuses(f"column '{name}' of t.csv"):
+        read(written(f"t (s);{name}\n1;2\n2;2.5\n5;3\n10;3.5\n20;3.6\n"), stress="1 MPa")
+
+
+def test_friction_in_newtons_is_no_coefficient():
+    rows = "".join(f"{t};{t};6\n" for t in range(4))
+    for name in ("friction_N", "friction, N", "Friction_mN"):
+        with pytest.raises(InputError):
+            read_record(written(f"time_s;load_point_um;{name}\n{rows}"))
+    assert read_record(written(f"time_s;load_point_um;mu_s\n{rows}")).friction[0] == 6
+
+
+@pytest.mark.parametrize("name", ["Relaxation stress", "Spannungsrelaxation", "Elastic stress"])
+def test_a_stress_is_no_modulus(name):
+    assert not read(written(f"t (s);{name} (MPa)\n{FALLING}")).absolute
+
+
+def test_a_sweep_is_no_relaxation():
+    rows = "100;9;5;10\n50;8.5;5;20\n20;8;5;30\n10;7.6;5;40\n5;7.2;5;50\n"
+    with refuses("t.csv"):
+        read(written(f"Frequency (Hz);Modulus (MPa);Phase angle (°);Time (s)\n{rows}"))
+
+
+@pytest.mark.parametrize("name", ["Ang. frequency (1/s)", "Radian frequency (1/s)", "Fréq. ang. (1/s)"])
+def test_angular_frequencies_are_not_counted_in_turns(name):
+    data = read(written(f"{name};E' (MPa);E'' (MPa)\n{SWEPT}"))
+    np.testing.assert_allclose(data.columns[0], [0.1, 1, 10, 100, 1000])
+
+
+def test_points_between_thousands_are_asked_for_beside_numbers_that_lack_them():
+    with refuses("t.csv", "'1.000'"):
+        measured(written("Zeit (s);Kraft (N)\n0;500\n10;1.000\n20;1.500\n"))
+    assert measured(written("Zeit (s);Kraft (N)\n0;1.500\n10;1.000\n100;2.500\n")).start == {"load": 1.5}
+
+
+@pytest.mark.parametrize("name", ["E x10³ (kPa)", "E x1000 (kPa)"])
+def test_a_factor_after_a_letter_is_asked_for(name):
+    with refuses(f"column '{name}' of t.csv"):
+        read(written(f"t (s);{name}\n{FALLING}"))
+
+
+@pytest.mark.parametrize("name", ["sqrt time (s)", "Root time (min)", "Time^0.5 (s)", "1/time (s)"])
+def test_a_root_of_time_is_no_time(name):
+    with refuses(f"column '{name}' of t.csv"):
+        read_measurements(written(f"{name};area (um2)\n1;2\n2;3\n"), "area", columns="0 1")
+
+
+@pytest.mark.parametrize(
+    "name", ["vertical piston (um)", "Axial ram (um)", "Normal velocity (um/s)", "drive velocity (um/s)"]
+)
+def test_a_motion_across_or_of_a_drive_is_no_slip(name):
+    rows = "".join(f"{t};{3 * t};{2 * t};0.6\n" for t in range(4))
+    record = read_record(written(f"time_s;{name};slip_um;friction\n{rows}"))
+    np.testing.assert_allclose(record.displacement, 2e-6 * np.arange(4))
+
+
+def test_tabs_separate_below_words_with_blanks():
+    found = read_measurements(written("Sample 12\nHold time (min)\tContact area (um2)\n1\t2\n2\t3\n"), "area")
+    assert (found.time_unit, found.value_unit) == ("min", "um2")
+
+
+@pytest.mark.parametrize("name", ["Time (10³ s)", "Time - ks", "ks Time"])
+def test_units_that_stand_first_or_are_raised(name):
+    data = read(written(f"{name};E (10⁶ Pa)\n{FALLING}"))
+    np.testing.assert_allclose(data.columns[0], 1e3 * np.array([1, 2, 5, 10, 20]))
+    np.testing.assert_allclose(data.columns[1][0], 1e6 * np.array([3.2, 3.1, 3.0, 2.9, 2.8]))
+
+
+def test_the_time_of_day_is_no_number_of_days():
+    history = measured(written("Time of day;Load (N)\n43200;10\n43260;20\n"), units=["Time of day=s"])
+    assert history[0].duration == 60

@@ -34,7 +34,8 @@ _FACTOR = r"\(?(?:1(?=[ /]|$)|[A-Za-zµμΩÅ°%]+(?:\^-?\d)?)\)?"
 _UNIT = re.compile(rf"{_FACTOR}(?:(?: ?[*/] ?| ){_FACTOR}){{0,5}}")
 _EXPONENT = re.compile(r"(?<=[A-Za-zΩÅ])(?:\*\*)?(-?\d)")
 _TIMES = "s ms us µs μs ns min h d Hz mHz kHz MHz rad deg rpm"
-_USUAL = f"{_TIMES} Pa kPa MPa GPa bar psi ksi N mN uN µN μN nN pN kN MN kgf m cm mm um µm μm nm".split()
+_FORCES = "N mN uN µN μN nN pN kN MN cN daN lbf kgf"
+_USUAL = f"{_TIMES} ks Pa hPa mbar kPa MPa GPa bar psi ksi {_FORCES} m cm mm um µm μm nm".split()
 _IN_WORDS = {
     "s": r"secs?|seconds?|sek|sekunden?|secondes?",
     "min": r"mins|minutes?|minuten",
@@ -45,12 +46,15 @@ _IN_WORDS = {
     "um": r"mic|microns?|mi[ck]romet(?:er|re)s?",
     "nm": r"nanomet(?:er|re)s?",
     "%": r"percent|prozent|pourcent|pct",
+    "N": r"newtons?",
+    "kgf": r"kp|kilopond",
 }
 _PREFIXES = {"": 1.0, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
 _BASES = {"s", "m", "N", "Pa", "J", "K", "W", "Hz", "ohm", "rad"}
 _WITHOUT_PREFIX = ("minute", "hour", "day", "week", "year")
 """Units that have no prefix, though Pint takes hh for hectohours."""
 
+_RAISED, _LOWERED = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+"), str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _POWER = re.compile(r"10(?:\^|(?=-))(-?\d{1,2})(?:[ *]+(?=[A-Za-z1])|(?=/|$))")
 _WORD = re.compile("[A-Za-zµμΩÅ]+")
 _EXAMPLES = {
@@ -212,10 +216,10 @@ def _converted(amount: float, unit: str, target: str) -> float | None:
     # Only the first unit has the prefix: mm^2 is (1e-3 m)^2, and k1/Pa is none.
     if prefix and unit.endswith(target) and target.partition("/")[0].split(" ")[0] in _BASES:
         return amount * prefix
-    unit = unit.replace("⁻", "-").replace("¹", "1").replace("²", "2").replace("³", "3").replace("·", "*")
+    unit = _RAISED.sub(lambda match: f"^{match[0].translate(_LOWERED)}", unit).replace("·", "*")
     unit = re.sub(r"\s*/\s*", "/", _EXPONENT.sub(r"^\1", unit).replace("Ohm", "ohm"))
     unit = re.sub("[µμu]ε|µstrain|microstrain", "10^-6", unit)
-    unit = re.sub("‰|per ?mille?|promille", "10^-3", unit)
+    unit = re.sub("(?i)‰|per ?mille?|promille", "10^-3", unit)
     if power := _POWER.match(unit):
         amount, unit = amount * 10.0 ** int(power[1]), unit[power.end() :] or "1"
     unit = f"1{unit}" if unit.startswith("/") else unit

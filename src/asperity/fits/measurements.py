@@ -63,7 +63,8 @@ _ROLES = (
         "",
         "",
         r"load|\blast\b|press|druck|temp|humid|\brh\b|feucht|segment|cycle|volt|speed|residual"
-        r"|stiff|steif|raideur|conduct|leitw|resist|widerst|diamet|durchmesser|change|anderung|delta|δ",
+        r"|stiff|steif|raideur|conduct|leitw|resist|widerst|diamet|durchmesser|change|anderung|delta|δ"
+        r"|increase|decrease|zunahme|abnahme|\bloss|verlust|^(nr|no|id|run|lap|index|sample|probe|point|row|count)\W*(nr|no|id)?\W*$",
     ),
     *_OF_VALUES.values(),
     Role("value", "", ""),

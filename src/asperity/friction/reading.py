@@ -24,15 +24,16 @@ ROLES = (
         "",
         "",
         r"temp(?!s\b)|humid|feucht|\bstd|\berr|angle|winkel|thick|dicke|dilat|strain|change|anderung|delta|δ"
-        r"|(^nor(m|mal)?\b|axial|verti[ck]al|normal|radial).*(disp|verschieb)|deplac.*(axial|vertical|normal)"
-        r"|(load ?point|^lp)\b.*(vel|speed)",
+        r"|(^nor(m|mal)?\b|axial|verti[ck]al|normal|radial).*(disp|verschieb|piston|actuator|ram\b|position|veloc)"
+        r"|deplac.*(axial|vertical|normal)|(load ?point|^lp|drive|motor|[ps].?wave)\b.*(vel|speed)"
+        r"|confin|rotation|rpm|drehzahl|wear|verschlei|permeab|usure|loss|verlust",
     ),
     TIME,
     Role(
         "normal stress",
         "Pa",
-        r"(norm?|normale?|eff|effective)\b.*(stress|pressure|contrainte)|normalspannung|^sigma|^σ"
-        r"|^(eff ?)?ns$",
+        r"(norm?|normale?|eff|effective)\b.*(stress|pressure|contrainte)|normalspannung"
+        r"|^(sigma|σ) ?(n|eff|norm)?$|^(eff ?)?ns$",
     ),
     Role("normal force", "N", r"normal.*(force|load)|normalkraft|force normale|^(load|fn|f n|fz|f z)$"),
     Role(

@@ -20,7 +20,10 @@ from asperity.sheets.tables import read_table
 
 ROLES = (
     Role(
-        "", "", r"segment|cycle|index|volt|temp(?!s\b)|humid|stiff|modul|speed|veloc|\bstd|\berr|set ?point"
+        "",
+        "",
+        r"segment|cycle|index|volt|temp(?!s\b)|humid|stiff|modul|speed|veloc|\bstd|\berr|set ?point"
+        r"|lateral|friction|cantilever disp",
     ),
     TIME,
     Role("deflection", "m", r"deflec|\bdefl|auslenk|durchbieg|deviation"),

@@ -24,8 +24,9 @@ _ROLES = (
     Role(
         "",
         "",
-        r"\btan\b|tangent|delta|δ|fa[ck]t|temp(?!s\b)|(?<!t)\*|[ck]omplex|\||betrag|magnitud"
-        r"|absolut\w* ?mod|err|std|bulk|kompress|longitud|constrain|o?edomet|odomet|p.?wave|steifemodul"
+        r"\btan\b|tangent|delta|δ|fa[ck]t|temp(?!s\b)|(?<!t)\*|[ck]omplex|\||betrag|magnitud|angle|winkel"
+        r"|absolut\w* ?mod|err|std|bulk|kompress|compressib|volum|longitud|constrain|o?edomet|odomet|e ?oed"
+        r"|p.?wave|steifemodul|viscosit|viskosit"
         r"|(relax|retard)\w* time|(relax|retard)\w*zeit|temps de r",
     ),
     Role("frequency", "rad/s", r"freq|omega|ω|^[fw]$|^nu$|angular|pulsation"),
@@ -39,7 +40,12 @@ _ROLES = (
         "1/Pa",
         r"complian|nachgieb|complaisance|^[jd]\b|^(?!.*(strain|dehnung|deform)).*(creep|kriech|fluage)",
     ),
-    Role("modulus", "Pa", r"modul|relax|young|elasti|^[eg]\b|^[eg] ?rel|plane strain"),
+    Role(
+        "modulus",
+        "Pa",
+        r"modul|young|^[eg]\b|^[eg] ?rel|plane strain"
+        r"|^(?!.*(stress|spannung|contrainte|force|kraft)).*(relax|elasti)",
+    ),
     Role("strain", "1", r"strain|dehnung|deform"),
     Role("stress", "Pa", r"stress|spannung|contrainte"),
     Role("force", "N", r"force|kraft|\bload"),
@@ -62,8 +68,8 @@ _MODULI: dict[Modulus, str] = {
 """Words that say which modulus it is."""
 _LETTERS: dict[str, Modulus] = {"e": "young", "g": "shear"}
 _CONDITIONS = (
-    (r"^T\b|(?i:temp(?!s\b))", 1.0, 0.0),
-    ("(?i)strain|dehnung|deform|ampl|humid|feucht", 0.0, 0.1),
+    (r"\bT\b|ϑ|(?i:temp(?!s\b))", 1.0, 0.0),
+    ("(?i)strain|dehnung|deform|verform|γ|gamma|ampl|auslenk|humid|feucht", 0.0, 0.1),
 )
 """Columns of conditions; by how much rows of one time or frequency may differ, absolutely and relatively."""
 
@@ -201,8 +207,10 @@ def _chosen(columns: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind
             raise InputError("columns", expected=expected, got=" ".join(map(str, places)))
         return chosen, places
     fitting = [name for name, order in wanted.items() if all(roles.count(role) == 1 for role in order)]
+    if kind is None and "frequency" in roles:  # which a sweep changes, also in time
+        fitting = [name for name in fitting if name == "dynamic"]
     loaded = [role for role in roles if role in (*_IN_PLACE, "displacement")]
-    if not fitting and len(loaded) == 1 and loaded[0] in _IN_PLACE:
+    if not fitting and "frequency" not in roles and len(loaded) == 1 and loaded[0] in _IN_PLACE:
         of_kind = _KINDS[_IN_PLACE[loaded[0]]]
         roles[roles.index(loaded[0])] = of_kind.names()[1]
         fitting = [name for name, order in wanted.items() if all(roles.count(role) == 1 for role in order)]

@@ -28,14 +28,16 @@ Units = Mapping[int | str, str] | Sequence[str] | str
 _ARGUMENT = r"(?:t|time|omega|ω|w|f|q|zeit|temps)"
 _BRACKETS = re.compile(r"(.*?)[\s_,/]*[\[({<]\s*([^\[\](){}<>]*?)\s*[\])}>]")
 _LOGARITHM = re.compile(r"(?i)(log_?10|log|lg|ln)(?:\s*\((.*)\)(.*)|[\s_.-]+(.*))")
-_ANGULAR = re.compile(r"omega|ω|angul|circular|kreis|winkel|pulsation|^w\b")
+_ANGULAR = re.compile(r"omega|ω|\bang\b|angul|radian|circular|kreis|winkel|pulsation|^w\b")
 _CYCLES = re.compile(r"(?i)\b(?:r|cycles?|cyc|revs?|revolutions?|turns?|tours?|tr|u|umdr\w*|osc\w*)\b")
 _RATIO = re.compile(r"(\w+) ?/ ?\1[ _(]*(?:0|o|n|nom|max|ref|i|inf)\)?")
 _SCALED = {
-    "a factor": re.compile(r"\b1e[+-]?\d|\b10 ?(?:\^|\*\*|[⁻⁰¹²³⁴-⁹])|[x×*·] ?10+\b|(?<!\d)[×*·/] ?\d"),
+    "a factor": re.compile(r"\b1e[+-]?\d|\b10 ?(?:\^|\*\*|[⁻⁰¹²³⁴-⁹])|[x×*·] ?10|(?<!\d)[×*·/] ?\d"),
+    "a root": re.compile(r"(?i)sqrt|√|\broot\b|wurzel|racine|\^ ?[01]?[.,/]|^1 ?/"),
     "a logarithm": re.compile(r"(?i)(?:^|[\W_])(?:log_?10|log|lg|ln|logarithm\w*)(?:$|[\W\d_])"),
 }
 """What stands in a name of other numbers than those of the quantity: to multiply by, or to divide?"""
+_PARTS = re.compile(r"(?i)[%‰]|per ?cent|prozent|per ?mille?|promille|(?<![a-z])ppm|micro|[uµμ][eε]\b")
 _DATE = re.compile(r"\d{1,4}[-/.:]\d{1,2}[-/.:T ]?")
 _LEAVE_OUT = "a # before a line to leave it out"
 _OF_TIME = {"Hz", "mHz", "kHz", "MHz", "GHz", "s", "ms", "us", "µs", "μs", "min", "h", "d"}
@@ -94,9 +96,8 @@ class Columns:
         for at in self.chosen:
             if (role := self.roles[at]) in columns:
                 got = f"{self.table.names[columns[role]]!r} and {self.table.names[at]!r}"
-                others = [place for place in self.chosen if self.roles[place] not in ("", role)]
-                cure = {"columns": [columns[role], *others]}
-                raise InputError(self.table.name, expected=f"one column of {role}", got=got, cure=cure)
+                advice = Name("columns"), " with one of them"
+                raise InputError(self.table.name, expected=f"one column of {role}", got=got, advice=advice)
             columns |= {role: at} if role else {}
         return columns
 
@@ -155,8 +156,10 @@ class Columns:
         """Role of a name, and its parts: the first with a role; None without any."""
         every = _parts(name)
         for parts in every:
+            if re.fullmatch(r"T([ _]?°?[CKF])?", parts.label.strip()):  # a temperature
+                return "", parts
             roles = (role for role in self._roles if re.search(role.words, normal(parts.label)))
-            if parts.label.strip() != "T" and (role := next(roles, None)):  # T is a temperature
+            if role := next(roles, None):
                 return role.name, parts
         return None, every[0]
 
@@ -164,15 +167,20 @@ class Columns:
         """Unit from the user, a row of units, or the name; and its factor to the unit of the role."""
         parts, name = self._parts[at], normal(self.table.names[at])
         below, beside = self.table.units[at], parts.unit
-        unclear = {"1": r"\w+", "": r"\w"}.get(role.unit)
-        if unclear and not parts.is_clear and re.fullmatch(unclear, beside) and si.spelled(beside) != "%":
+        if role.unit in ("1", "") and not parts.is_clear and re.fullmatch("[a-z]", beside):
             beside = ""  # mu_s is static friction
         text = self._stated.get(at) or below or beside
         scaled = [scale for scale, words in _SCALED.items() if words.search(parts.label)]
+        scaled += ["a part of one"] * bool(role.unit == "1" and not below and _PARTS.search(parts.label))
         if at not in self._stated and scaled:
             raise self._no_unit(role, at, f"{scaled[0]} in the name")
         *words, last = name.split() or [""]
-        if not text and role.unit not in ("1", "") and re.search(role.words, " ".join(words)):
+        if (
+            not text
+            and role.unit not in ("1", "")
+            and words[-1:] != ["of"]
+            and re.search(role.words, " ".join(words))
+        ):
             text = last if len(last) > 2 and si.factor(last, last) is not None else ""  # time_furlong
         if not text or not role.unit:
             return text, 1.0
@@ -189,7 +197,7 @@ class Columns:
         written = "".join([*self.table.names, *self.table.units])
         units = [self.unit_text(at) for at in range(len(self._parts))]
         in_case = all(one in ("", "-", si.spelled(one)) for one in units)
-        unclear = written.isupper() and not in_case and re.search(r"\bM[A-Z]", unit)
+        unclear = written.isupper() and not in_case and re.search(r"\bM(N|PA|HZ|J|W)\b", unit)
         return None if unclear else si.spelled(unit)
 
     def _no_unit(self, role: Role, at: int, got: str) -> InputError:
@@ -227,7 +235,8 @@ class Columns:
 
 def normal(text: str) -> str:
     """A name in small letters, without arguments and accents, and with blanks for underscores."""
-    text = unicodedata.normalize("NFKD", re.sub("[’ʹ´]", "'", text)).replace("′", "'").replace('"', "''")
+    text = re.sub('["”]', "''", re.sub("[’ʹ´′]", "'", text)).replace("œ", "oe")
+    text = unicodedata.normalize("NFKD", text).replace("′", "'")
     text = "".join(c for c in text if not unicodedata.combining(c)).lower()
     return " ".join(re.sub(rf"\({_ARGUMENT}\)", " ", text).replace("_", " ").split())
 
@@ -251,16 +260,21 @@ def _parts(name: str) -> list[_Parts]:
         inner = f"{logarithm[2]}{logarithm[3]}" if logarithm[2] else logarithm[4]
         return [replace(parts, base=base) for parts in _parts(inner)]
     bracket = _BRACKETS.fullmatch(name)
-    if bracket and not re.fullmatch(f"{_ARGUMENT}|0", bracket[2].lower()):
+    argument = bracket[2] if bracket and len(bracket[2]) == 1 else bracket[2].lower() if bracket else ""
+    if bracket and not re.fullmatch(f"{_ARGUMENT}|0", argument):
         return [_Parts(bracket[1], bracket[2], is_clear=True), _Parts(name)]
     pairs = [
         _Parts(label, unit, is_clear="/" in separator[0])
-        for separator in re.finditer(r"\s*/\s*|[_,:\s]+", name)
+        for separator in re.finditer(r"\s*/\s*|\s+[-–]\s+|[_,:\s]+", name)
         if (label := name[: separator.start()])
+        and not label.endswith(" of")
         and (unit := name[separator.end() :])
         and ("/" in separator[0] or si.is_usual(unit))
         and not _RATIO.fullmatch(normal(f"{label}/{unit}"))
     ]
+    first, _, rest = name.partition(" ")
+    if (rest and len(first) > 1 and si.is_usual(first)) or first == "%":
+        pairs.append(_Parts(rest, first))
     return [*pairs, _Parts(name, name if len(name) > 3 and si.is_usual(name) else "")]  # minutes
 
 

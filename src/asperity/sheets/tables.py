@@ -34,13 +34,14 @@ _IN_BRACKETS = re.compile(r"[^\[\]()]*[\[(][^\[\]()]*[\])]")  # a name and its u
 
 _FACT = re.compile(r"(?i)(?:(columns?|names?|spalten|colonnes|units?|einheiten|unit[eé]s)|[\w.-]+):\s+(.*)")
 
-# In "Rec #;Time (s)" it ends a name, and #DIV/0! is a cell of a spreadsheet.
-_COMMENT = re.compile(r"#(?![;,\t]|[A-Z/0?]+[!?]|N/A|NV)")
+# In "Rec #;Time (s)" it ends a name, in "Area #1" it counts, and #DIV/0! is a cell of a spreadsheet.
+_COMMENT = re.compile(r"#(?![;,\t\d]|[A-Z/0?]+[!?]|N/A|NV)")
 _GLUED = re.compile(
     r"(?<=[^\W\d_][\])])(?=[+-]?\d+\.?\d*\t)"
 )  # a header and the first row: "Voltage (V)41.3"
 _MISSING = ("", "nan", "na", "n/a", "null", "#n/a", "#nv")  # in letters of any size
 
+_HUNDREDS = re.compile(r"[+-]?[1-9]\d\d")
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([,.' ]\d{3})+([.,]\d*)?")
 """A number that seems to have separators between thousands."""
 
@@ -90,15 +91,16 @@ def read_table(
     fail = functools.partial(failure, str(path))
     everything = (text_of(path, failure) if text is None else text).split("\n")
     lines, notes = _separated(everything, ("#", "%") if matrix else ("#", "%", ";"))
-    dialects = _DIALECTS
-    if not matrix and (stated := _OF_EXCEL.fullmatch(everything[0])):
-        dialects = tuple(dialect for dialect in _DIALECTS if dialect[0] == stated[1]) or _DIALECTS
-        lines = [(number, line) for number, line in lines if number > 1]
+    stated = None if matrix else _OF_EXCEL.fullmatch(everything[0])
+    lines = [(number, line) for number, line in lines if number > 1 or not stated]
     looked_at = [line for _, line in lines if line.strip()]
     looked_at = looked_at[:_LOOKED_AT] if matrix else looked_at[-_LOOKED_AT:]
-    shares = [_numeric_share(looked_at, *dialect) for dialect in dialects]
+    # Blanks stand in words beside tabs.
+    left_out = " " if not matrix and _has_tabs(looked_at) else ""
+    dialects = [one for one in _DIALECTS if one[0] != left_out and (not stated or one[0] == stated[1])]
+    shares = [_numeric_share(looked_at, *dialect) for dialect in dialects or _DIALECTS]
     best = int(np.argmax(shares))
-    separator, decimal = dialects[best]
+    separator, decimal = (dialects or _DIALECTS)[best]
     _check_decimals(lines, separator, decimal, fail)
     # A line of nothing but tabs is a row of missing cells where tabs separate; of nothing but blanks, no row.
     lines = [(number, line) for number, line in lines if line.strip() or (separator == "\t" and "\t" in line)]
@@ -142,6 +144,12 @@ def read_table(
     return Table(str(path), names[:kept], in_row[:kept], values[:, :kept], rows, separator)
 
 
+def _has_tabs(lines: list[str]) -> bool:
+    """Whether tabs stand in most lines, and no blanks between numbers."""
+    tabbed = [line for line in lines if "\t" in line.strip(" ")]
+    return 2 * len(tabbed) > len(lines) and not any(re.search(r"\d +[-+.\d]", line) for line in tabbed)
+
+
 def _separated(
     everything: list[str], comments: tuple[str, ...]
 ) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
@@ -162,21 +170,34 @@ def _separated(
 def _check_decimals(
     lines: list[tuple[int, str]], separator: str, decimal: str, fail: Callable[..., InputError]
 ) -> None:
-    """Refuse commas of which each may be a decimal one, or one between thousands."""
-    if decimal == ".":
+    """Refuse marks of which each may be a decimal one, or one between thousands.
+
+    All points of English numbers may stand before three digits; but not beside 500, which lacks them.
+    """
+    if decimal == "." and separator not in (";", "\t"):
         return
-    every = ((number, cell) for number, line in lines for cell in _cells(line, separator) if "," in cell)
-    ambiguous = None
-    for number, cell in every:
-        if _number(cell, decimal) is None:
+    ambiguous: dict[int, tuple[int, str]] = {}  # by column; of commas one for all
+    whole: set[int] = set()
+    for number, line in lines:
+        if decimal not in line and decimal == ",":
             continue
-        if not GROUPED.fullmatch(cell):
-            return
-        ambiguous = number, cell
-    if ambiguous is not None:
-        expected = f"decimal commas or thousands, in line {ambiguous[0]}"
-        advice = "decimal points, or no separators between thousands"
-        raise fail(expected=expected, got=repr(ambiguous[1]), advice=advice)
+        for at, cell in enumerate(_cells(line, separator)):
+            column = 0 if decimal == "," else at
+            if decimal not in cell:
+                whole |= {at} if _HUNDREDS.fullmatch(cell) else set()
+            elif _number(cell, decimal) is None:
+                continue
+            elif GROUPED.fullmatch(cell):
+                ambiguous.setdefault(column, (number, cell))
+            elif decimal == ",":
+                return
+            else:
+                ambiguous[column] = (0, "")
+    for column, (number, cell) in ambiguous.items():
+        if number and (decimal == "," or column in whole):
+            expected = f"a decimal mark or one between thousands, in line {number}"
+            advice = "decimal points, or no separators between thousands"
+            raise fail(expected=expected, got=repr(cell), advice=advice)
 
 
 def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) -> tuple[int, int, int]:
@@ -231,9 +252,10 @@ def _named(line: str, separator: str, used: int, width: int) -> list[str]:
     cells = _cells(line, separator)
     if separator == " " and len(cells) != width:
         cells = [cell.strip() for cell in _IN_BRACKETS.findall(line)]
+    is_whole = len(cells) == width  # the last one of a row of units may be empty
     while cells and not cells[-1]:
         cells.pop()
-    cells += [""] * (width - len(cells)) * (len(cells) >= used)
+    cells += [""] * (width - len(cells)) * (is_whole or len(cells) >= used)
     return [cell[1:-1] if re.fullmatch("'.*'", cell) else cell for cell in cells]
 
 
