@@ -442,3 +442,25 @@ def test_bad_input_is_named() -> None:
         ("after", "(8,)", lambda: link_patches(MASK, MASK[0])),
         ("edges", "'open'", lambda: link_patches(MASK, MASK, edges=cast(Any, "open"))),
     )
+
+
+def test_boxes_and_rims_are_those_of_the_body() -> None:
+    y, x = np.mgrid[:64, :64] - 31.5
+    body, random = np.hypot(y, x) < 31, np.random.default_rng(0)
+    places = np.flatnonzero(body)
+    values = []
+    for _ in range(400):
+        touching = np.zeros(body.size, dtype=bool)
+        touching[random.choice(places, 180, replace=False)] = True
+        values.append(clustering(touching.reshape(body.shape), edges="free", body=body))
+    assert abs(np.mean(values) - 1) < 4 * np.std(values) / math.sqrt(len(values))
+    solid = asp.solids.half_space(modulus=3e9)
+    rough = np.asarray(asp.surfaces.spectral((24, 30), roll_off=16.0, cutoff=4.0, rms_slope=0.1, seed=3))
+    found = []
+    for heights in (rough, np.pad(rough, ((5, 3), (4, 8)), constant_values=-np.inf)):
+        surface = asp.surfaces.Surface(heights, "um", (1.0, 1.0), "um", edges="free")
+        data = asp.age(asp.press(surface, solid, load=0.02), [1.0], fields_at=[0.0]).dataset
+        found.append([float(data[name][0]) for name in ("clustering", "perimeter", "area")])
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-9)
+    punch = asp.surfaces.Surface(np.zeros((24, 24)), "um", (1.0, 1.0), "um", edges="free")
+    np.testing.assert_allclose(patch_table(asp.press(punch, solid, load=1e-3))["perimeter"], [96e-6])

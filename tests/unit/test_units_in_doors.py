@@ -141,3 +141,23 @@ def test_an_ampere_is_no_length():
     Path("current.txt").write_text("# Channel: Current\n# Value units: A\n1 2 3\n4 5 7\n7 8 8\n")
     with refuses("current.txt", kind=InputError):
         asp.surfaces.read("current.txt", pixel_size="1um")
+
+
+def test_numbers_of_profiles_are_for_each_length_of_it():
+    stiff = asp.solids.half_space(modulus=3e9, apparatus="1 MN/m^2")
+    series = [1 / asp.press(PROFILE, one, pressure="3 MPa").normal_stiffness for one in (stiff, HALF_SPACE)]
+    assert 1 / (series[0] - series[1]) == pytest.approx(1e6)
+    with refuses("apparatus", "'1 MN/m^2'"):
+        asp.press(ROUGH, stiff, pressure="3 MPa")
+    with refuses("apparatus", "'1 MN/m'"):
+        asp.press(PROFILE, asp.solids.half_space(modulus=3e9, apparatus="1 MN/m"), pressure="3 MPa")
+    plain: Any = asp.surfaces.Surface(PROFILE.heights, pixel_size=(0.625,))
+    units = {
+        name: one.attrs["units"] for name, one in asp.press(plain, HALF_SPACE, pressure=3e6).dataset.items()
+    }
+    assert [units[name] for name in ("load", "contact_area", "energy")] == [
+        "force unit / length unit",
+        "length unit",
+        "force unit",
+    ]
+    assert "N/m" in repr(asp.press(PROFILE, HALF_SPACE, load="1 kN/m"))

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.base import checks, units
+from asperity.base.words import InUnits
 from asperity.contact.controls import Control, Load, Separation
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
@@ -70,7 +71,18 @@ def bodies_of(heights: ArrayLike, solid: Solid) -> Bodies:
     edges = heights.edges if isinstance(heights, Surface) else "periodic"
     if edges == "free":
         _check_free(solid, rough.ndim)
+    _check_apparatus(solid, rough.ndim)
     return Bodies(rough, Lattice(rough.shape, spacing, edges), solid, origin, si)
+
+
+def _check_apparatus(solid: Solid, dimension: int) -> None:
+    """Refuse a stiffness in a unit of bodies of another dimension."""
+    stiffness = solid.parameters.get("apparatus")
+    if isinstance(stiffness, InUnits) and stiffness.unit != (unit := {1: "N/m^2", 2: "N/m"}[dimension]):
+        expected = f"a stiffness in {unit}" + ", for each metre of the profile's length" * (dimension == 1)
+        raise InputError(
+            "apparatus", expected=expected, got=repr(stiffness.written), path=("solid", "apparatus")
+        )
 
 
 def _check_free(solid: Solid, dimension: int) -> None:

@@ -119,7 +119,7 @@ class Contact(Bodies, views.InNotebooks):
 
     def __repr__(self) -> str:
         shape = " x ".join(map(str, self.heights.shape))
-        force, length = (" N", " m") if self.si else ("", "")
+        force, length = (" N/m" if len(self.heights.shape) == 1 else " N", " m") if self.si else ("", "")
         return (
             f"<Contact: {self.area} of {shape} sites touch, load {self.load:g}{force}, "
             f"separation {self.separation:g}{length}, residual {self.residual:.1e}>"

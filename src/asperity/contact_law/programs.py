@@ -155,7 +155,7 @@ def closure_fits(
     age: float | str | None = None,
     direction: Literal["loading", "unloading"] = "loading",
 ) -> pd.DataFrame:
-    """Fit the formulas of joints in rock to a law, by least squares of the relative error of the approach.
+    """Fit the formulas of joints in rock to a law, by least squares of the logarithm of the approach.
 
     Parameters
     ----------

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.base import checks
-from asperity.lattice import Field, Lattice, Mask
+from asperity.lattice import Edges, Field, Lattice, Mask
 from asperity.patches.labels import mask
 from asperity.patches.links import Links, linked
 from asperity.patches.shapes import Shapes, shapes_of
@@ -38,19 +38,23 @@ def quantiles(values: Field) -> Field:
     return np.asarray(np.quantile(values, QUANTILES, method="inverted_cdf"), dtype=np.float64)
 
 
-def map_series(maps: Maps, times: Sequence[float], lattice: Lattice) -> dict[str, NDArray[Any]]:
+def map_series(
+    maps: Maps, times: Sequence[float], lattice: Lattice, body: Mask | None = None
+) -> dict[str, NDArray[Any]]:
     """Measure the patches of each map, at times that do not decrease, and follow them from map to map.
 
+    A rough body that ends has a mask of its sites.
     The arrays over the maps are the ``"map"`` quantities of `asperity.results.quantities`, without pressure.
     Changes since the map before are 0 at first. NaN without patches, and without a box for the clustering.
     """
     rows: list[dict[str, Any]] = []
-    box, before = clustering_box(maps), None
+    box, before = clustering_box(maps, body), None
+    around: dict[str, Any] = {"edges": lattice.edges, "body": body}
     moments = np.asarray(times, dtype=np.float64)
     for number, (touching, since) in enumerate(zip(maps, _touching_since(maps), strict=True)):
         shapes = shapes_of(touching, lattice.spacing, lattice.edges)
         row = _sizes(shapes, lattice.dimension)
-        row["clustering"] = math.nan if box is None else clustering(touching, box)
+        row["clustering"] = math.nan if box is None else clustering(touching, box, **around)
         links = linked(before or shapes.patches, shapes.patches)
         row |= {name: getattr(links, name) for name in _EVENTS}
         ages = moments[number] - moments[since.ravel()[shapes.sites]]
@@ -61,11 +65,11 @@ def map_series(maps: Maps, times: Sequence[float], lattice: Lattice) -> dict[str
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
-def clustering_box(maps: Maps) -> int | None:
+def clustering_box(maps: Maps, body: Mask | None = None) -> int | None:
     """Side of the boxes for the clustering of all maps, from the first map with contact; None if too wide."""
     first = next((touching for touching in maps if touching.any()), None)
-    box = 0 if first is None else usual_box(first)
-    return box if first is not None and box <= min(first.shape) // 2 else None
+    box = 0 if first is None else usual_box(first, body)
+    return box if first is not None and box <= _shorter(first, body) // 2 else None
 
 
 def ages_of(maps: Maps, times: Sequence[float]) -> Field:
@@ -104,7 +108,9 @@ def _sizes(shapes: Shapes, dimension: int) -> dict[str, Any]:
     return row
 
 
-def clustering(in_contact: ArrayLike, box: int | None = None) -> float:
+def clustering(
+    in_contact: ArrayLike, box: int | None = None, *, edges: Edges = "periodic", body: ArrayLike | None = None
+) -> float:
     r"""Measure how clustered contacts are: the index of dispersion of their number in square boxes.
 
     The variance of the number of contacts in a box is divided by that of as many contacts placed at random on
@@ -113,7 +119,8 @@ def clustering(in_contact: ArrayLike, box: int | None = None) -> float:
         var = m a (1 - a) (N - m)/(N - 1).
 
     The index is 1 on average for contacts at random, at any contact fraction and on any lattice. It is above
-    1 for clusters, below 1 for contacts that keep apart. There is a box at every site, across the edges too.
+    1 for clusters, below 1 for contacts that keep apart. There is a box at every site, across periodic edges
+    too; others, and the end of a body, cut no box.
 
     Parameters
     ----------
@@ -123,11 +130,15 @@ def clustering(in_contact: ArrayLike, box: int | None = None) -> float:
         Side of a box, in lattice spacings. The default box holds about four contacts; its side is at least 2
         and at most an eighth of the shorter axis. The index depends on the box: to compare contacts, give the
         same box to all.
+    edges
+        Edges of the lattice.
+    body
+        Sites of a rough body that ends, of the same shape; by default all.
 
     Returns
     -------
     float
-        The index; NaN where there is nothing to strew (no contact, or all sites in contact).
+        The index; NaN where there is nothing to strew (no contact, or all sites in contact), or no box.
 
     Raises
     ------
@@ -136,22 +147,31 @@ def clustering(in_contact: ArrayLike, box: int | None = None) -> float:
         shorter axis, so that there is none on axes of less than 4 sites.
     """
     touching = mask("in_contact", in_contact)
-    sites, shorter = touching.size, min(touching.shape)
+    of_body = np.ones_like(touching) if body is None else mask("body", body)
+    sites, shorter = np.count_nonzero(of_body), _shorter(touching, of_body)
     fraction = np.count_nonzero(touching) / sites
-    side = usual_box(touching) if box is None else box
+    side = usual_box(touching, of_body) if box is None else box
     side = checks.integer("box", side, least=_SMALLEST_BOX, most=shorter // 2)
     if fraction in (0.0, 1.0):
         return math.nan
-    inside = touching.astype(np.int64)
+    inside, whole = touching.astype(np.int64), of_body.astype(np.int64)
+    beyond: Literal["wrap", "constant"] = "wrap" if edges == "periodic" else "constant"
     for axis in range(touching.ndim):
-        inside = scipy.ndimage.convolve1d(inside, np.ones(side, dtype=np.int64), axis=axis, mode="wrap")
+        of_box = np.ones(side, dtype=np.int64)
+        inside, whole = (scipy.ndimage.convolve1d(one, of_box, axis, mode=beyond) for one in (inside, whole))
     capacity = side**touching.ndim
+    boxes = inside[whole == capacity]
     at_random = capacity * fraction * (1 - fraction) * (sites - capacity) / (sites - 1)
-    return float(np.var(inside) / at_random)
+    return float(np.mean((boxes - capacity * fraction) ** 2) / at_random) if boxes.size else math.nan
 
 
-def usual_box(touching: Mask) -> int:
+def usual_box(touching: Mask, body: Mask | None = None) -> int:
     """Side of the boxes that `clustering` takes where none is given."""
-    fraction = np.count_nonzero(touching) / touching.size
+    fraction = np.count_nonzero(touching) / (touching.size if body is None else np.count_nonzero(body))
     side: float = (_CONTACTS_PER_BOX / fraction) ** (1 / touching.ndim) if fraction else 1.0
-    return max(_SMALLEST_BOX, min(round(side), int(min(touching.shape)) // _BOXES_PER_AXIS))
+    return max(_SMALLEST_BOX, min(round(side), _shorter(touching, body) // _BOXES_PER_AXIS))
+
+
+def _shorter(touching: Mask, body: Mask | None) -> int:
+    """Sites along the shorter axis of the body."""
+    return min(touching.shape if body is None else [np.unique(along).size for along in np.nonzero(body)])

@@ -36,6 +36,13 @@ class Shapes:
     dimension)``; NaN of a patch that reaches around the lattice."""
 
 
+_BEYOND: dict[Edges, Literal["wrap", "nearest", "constant"]] = {
+    "periodic": "wrap",
+    "reflecting": "nearest",
+    "free": "constant",
+}
+
+
 def shapes_of(
     touching: Mask, spacing: Sequence[float], edges: Edges = "periodic", connectivity: int = 1
 ) -> Shapes:
@@ -49,7 +56,8 @@ def shapes_of(
     patch = pieces.labels.ravel()[sites]
     sized = labelled.sizes.astype(np.float64)
     offsets, center, perimeter = [], [], np.zeros(labelled.count)
-    beyond: Literal["wrap", "nearest"] = "wrap" if edges == "periodic" else "nearest"
+    # A mirror is no end of a contact, the end of a body is one.
+    beyond: Literal["wrap", "nearest", "constant"] = _BEYOND[edges]
     for axis, (index, step) in enumerate(zip(indices, spacing, strict=True)):
         place = (index + touching.shape[axis] * places[patch, axis]) * float(step)
         mean = _over_patches(numbers, labelled.count, place) / sized

@@ -136,12 +136,13 @@ def _with_patches(dataset: xr.Dataset, start: Contact, snapshots: Sequence[Snaps
     import xarray as xr
 
     maps, times = dataset["in_contact"].values, [snapshot.time for snapshot in snapshots]
-    series = map_series(maps, times, start.lattice)
+    body = np.isfinite(start.heights)
+    series = map_series(maps, times, start.lattice, body)
     in_lengths = start.solid.in_lengths
     pressure = dataset["pressure"].values if in_lengths else dataset["force"].values / start.lattice.cell
     pressures = [quantiles(field[touching]) for field, touching in zip(pressure, maps, strict=True)]
     series["contact_pressure"] = np.array(pressures)
-    box = clustering_box(maps)
+    box = clustering_box(maps, body)
     named = xr.Dataset(
         {name: (("field_time", "quantile")[: values.ndim], values) for name, values in series.items()},
         coords={"quantile": list(QUANTILES)},

@@ -244,12 +244,21 @@ _SITES, _OWN, _SI = (
 _SI_OF_A_LINE = {"area": "m", "force": "N/m", "energy": "J/m", "energy / place": "N/m", "stiffness": "N/m^2"}
 """Of a profile, which stands for a surface of ridges: for each metre of their length."""
 
+_OWN_OF_A_LINE = {
+    "area": "length unit",
+    "force": "force unit / length unit",
+    "energy": "force unit",
+    "energy / place": "force unit / length unit",
+    "stiffness": "force unit / length unit^2",
+}
+
 
 def units_of(contact: Bodies) -> Units:
     """Units of a contact's numbers, by dimension; those of a solid defined on sites are the user's own."""
     units = (_SI if contact.si else _OWN) if contact.solid.in_lengths else _SITES
     if contact.lattice.dimension == 1:
-        return units | {"rim": "1"} | (_SI_OF_A_LINE if units is _SI else {})
+        of_line = _SI_OF_A_LINE if units is _SI else _OWN_OF_A_LINE if units is _OWN else {}
+        return units | {"rim": "1"} | of_line
     return units | {"rim": units["place"]}
 
 
@@ -264,6 +273,6 @@ def units_named(named: Mapping[str, str]) -> Units:
     """Units of dimensions, from those of recorded quantities by name."""
     quantities = select()
     units = {quantities[name].dimension: unit for name, unit in named.items() if name in quantities}
-    systems = (_SITES, _OWN, _SI, _SI | _SI_OF_A_LINE)
+    systems = (_SITES, _OWN, _OWN | _OWN_OF_A_LINE, _SI, _SI | _SI_OF_A_LINE)
     alike = (system for system in systems if all(system.get(d) == units.get(d) for d in ("time", "force")))
     return next(alike, {}) | units

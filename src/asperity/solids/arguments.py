@@ -45,7 +45,7 @@ Thickness = Annotated[float | str, Gt(0), Quantity("thickness of the layer or th
 Apparatus = Annotated[
     float | str | Literal["inf"] | None,
     Gt(0),
-    Quantity("stiffness of the apparatus, or inf; with it a separation can be held.", "N/m"),
+    Quantity("stiffness of the apparatus, or inf; with it a separation can be held.", "N/m", of_line="N/m^2"),
 ]
 Hardness = Annotated[
     float | str | None,

@@ -135,7 +135,8 @@ def half_space(
         Pairs (share of the modulus, relaxation time). Without any the half-space is elastic.
     flow
         Instead of branches: mobility m, velocity per pressure times length^n, and exponent n of
-        M = m abs(q)^n (-1: bulk flow, 0: dissolution, 1: diffusion in the volume, 2: along the surface).
+        M = m abs(q)^n (-1: bulk flow, 0: dissolution, 1: diffusion in the volume, 2: along the surface). The
+        mean, at q = 0, does not flow.
     apparatus
         Stiffness of the apparatus, force per length, between the machine and the half-space, which may be
         `math.inf`. With it the position of the machine can be prescribed (``separation=``). Infinite stands
@@ -267,7 +268,7 @@ def checked_apparatus(stiffness: float | str | None) -> float | None:
     if stiffness is None or (isinstance(stiffness, float) and stiffness == math.inf):
         return stiffness
     expected = "a stiffness above 0, or math.inf"
-    return units.number("apparatus", stiffness, "N/m", above=0, expected=expected)
+    return units.number("apparatus", stiffness, "N/m", of_line="N/m^2", above=0, expected=expected)
 
 
 def checked_permanent(share: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from asperity.base import checks
@@ -48,8 +49,9 @@ def read_spectrum(path: Path | str, *, unit: str | None = None, dimension: int =
     table, roles = columns.table, columns.roles
     if not any(table.names) and len(roles) == 2:
         roles = [role.name for role in wanted]
-    if any(roles.count(role.name) != 1 for role in wanted):
-        advice = "a first line such as q_1/um,C_um^4"
+    others = [name for name in table.names if re.search(rf"(?i)^c ?\^?{3 - dimension} ?d", name)]
+    if others or any(roles.count(role.name) != 1 for role in wanted):
+        advice = f"a first line such as q_1/um,C{dimension}D_um^{power}"
         raise InputError(table.name, expected="columns of q and C", got=named(table), advice=advice)
     places = {role.name: roles.index(role.name) for role in wanted}
     try:
