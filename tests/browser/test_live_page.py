@@ -40,6 +40,10 @@ def test_friction_of_a_given_shear_strength_and_a_picture_in_readable_units(live
     page.fill("#shear", "5e7")
     expected = 5e7 * np.array(series["contact_area_corrected"]) / series["load"]
     np.testing.assert_allclose(rows(page)["friction"], expected, rtol=1e-12)
+    page.fill("[id='friction.shear_strength']", "2e7")  # of the run, which ends what was tried
+    again(page, lambda: page.click("#press"))
+    series = rows(page)
+    np.testing.assert_allclose(series["friction"], expected[: len(series["load"])] * 2 / 5, rtol=1e-12)
     said = page.evaluate("""() => {
       const said = [], kept = CanvasRenderingContext2D.prototype.fillText;
       CanvasRenderingContext2D.prototype.fillText = (text) => said.push(text);
@@ -51,6 +55,38 @@ def test_friction_of_a_given_shear_strength_and_a_picture_in_readable_units(live
     number = f"{load:.4g}\u00a0N"
     assert any(f"load {number}" in one for one in said)
     assert page.locator("#number-load").text_content() == number
+
+
+def test_friction_of_a_strength_that_ages_is_that_of_the_run(live):
+    surface = {
+        "kind": "spectral",
+        "shape": [48, 48],
+        "rms_height": 1e-6,
+        "spacing": [4e-6],
+        "cutoff": 4e-5,
+        "unit": "m",
+    }
+    config = SMALL | {
+        "surface": surface,
+        "solid": {"kind": "half_space", "modulus": 3e9, "branches": [[0.3, 1.0], [0.3, 1e3]]},
+        "contact": {"pressure": 1e6},
+        "friction": {"shear_strength": 4e7, "growth": 0.05, "after": 1.0, "renewal": 1e-6},
+    }
+    np.testing.assert_allclose(rows(live(config))["friction"], computed(config)["friction"], rtol=1e-12)
+
+
+def test_another_question_keeps_what_it_does_not_use(live):
+    page = live()
+    page.get_by_role("button", name="Polymer half-space").click()
+    finished(page, after=None)
+    page.fill("[id='contact.pressure']", "3 MPa")
+    page.select_option("#question", "law")
+    assert page.input_value("[id='aging.times']") == "0 1000"
+    page.select_option("#question", "")
+    assert page.input_value("[id='contact.pressure']") == "3 MPa"
+    for kind in ("layer", "half_space"):
+        page.select_option("[id='solid.kind']", kind)
+    assert page.evaluate("asperityForm => JSON.stringify(app.form.read().solid)", None).count("poisson") == 0
 
 
 def test_another_load_is_another_run(live):

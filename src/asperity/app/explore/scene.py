@@ -272,7 +272,8 @@ def of_frame(frame: Frame) -> tuple[Moment, Map]:
     indentation = np.roll(contact.permanent_indentation, back, axes) if yields else None
     edges = contact.lattice.edges
     new_map = map_of(frame.time, frame.leg, in_contact, pressure, edges, indentation)
-    return moment_of(frame, slides=True), new_map
+    grown = frame.ages.means(contact) if frame.ages is not None else {}
+    return {**moment_of(frame, slides=True), **grown}, new_map
 
 
 def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: str) -> Recording:
