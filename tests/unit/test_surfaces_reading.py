@@ -414,3 +414,17 @@ def test_points_of_one_line_are_a_profile(constant):
     np.savetxt("line.xyz", columns, header="x [um] y [um] z [nm]")
     profile, _ = found("line.xyz")
     np.testing.assert_allclose(profile.heights, heights if constant else heights[::-1])
+
+
+@pytest.mark.parametrize("name", ["z*1000", "z/1000", "log z", "Profiltiefe", "profile depth"])
+def test_columns_of_other_numbers_are_no_heights(name):
+    rows = "".join(f"{0.5 * n};{n % 3}\n" for n in range(20))
+    with pytest.raises(SurfaceFileError):
+        found("p.csv", f"x (um);{name} (um)\n{rows}".encode())
+
+
+def test_two_positions_are_two_axes():
+    rows = "".join(f"{x};{y};{x + 7 * y};1\n" for y in range(6) for x in range(5))
+    surface, _ = found("g.csv", f"Position X (um);Position Y (um);Höhe (nm);z std (nm)\n{rows}".encode())
+    assert surface.pixel_size == (1.0, 1.0)
+    np.testing.assert_array_equal(surface.heights, np.arange(5) + 7 * np.arange(6)[::-1, None])

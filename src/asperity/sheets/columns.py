@@ -148,6 +148,10 @@ class Columns:
         """Name of a column without its unit."""
         return self._parts[at].label.strip()
 
+    def scaled(self, at: int) -> list[str]:
+        """What stands in a name of other numbers than those of the quantity."""
+        return [scale for scale, words in _SCALED.items() if words.search(self._parts[at].label)]
+
     def unit_text(self, at: int) -> str:
         """Unit of a column from a row of units, or else from its name, without a role."""
         return self.table.units[at] or self._parts[at].unit
@@ -170,7 +174,7 @@ class Columns:
         if role.unit in ("1", "") and not parts.is_clear and re.fullmatch("[a-z]", beside):
             beside = ""  # mu_s is static friction
         text = self._stated.get(at) or below or beside
-        scaled = [scale for scale, words in _SCALED.items() if words.search(parts.label)]
+        scaled = self.scaled(at)
         scaled += ["a part of one"] * bool(role.unit == "1" and not below and _PARTS.search(parts.label))
         if at not in self._stated and scaled:
             raise self._no_unit(role, at, f"{scaled[0]} in the name")

@@ -66,7 +66,7 @@ def choose(name: str, channel: str | int | None, channels: Mapping[str, str | tu
     names = list(channels)
     if channel is None and len(names) == 1:
         return names[0]
-    if isinstance(channel, int) and 0 <= channel < len(names):
+    if isinstance(channel, int | np.integer) and 0 <= channel < len(names):
         return names[channel]
     if isinstance(channel, str) and channel in channels:
         return channel

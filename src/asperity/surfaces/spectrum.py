@@ -105,7 +105,8 @@ class PowerSpectrum:
     along
         For each axis, wave numbers and the mean spectrum of the profiles along it, in ``unit^2 length_unit``.
     hurst_along
-        For each axis, the Hurst exponent of these profiles, or None.
+        For each axis, the Hurst exponent of these profiles, or None. Near the shortest wave they fall more
+        steeply than C: it may be larger than that of `fit` by 0.15.
     anisotropy
         Median ratio, above 1, of the spectra along the two axes; 1 for a profile.
     window

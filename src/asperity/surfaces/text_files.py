@@ -16,7 +16,7 @@ from pathlib import Path
 from asperity.base.readable import conversion, is_length
 from asperity.base.words import shortened
 from asperity.errors import MissingExtraError, SurfaceFileError
-from asperity.sheets.columns import Columns, Role
+from asperity.sheets.columns import Columns, Role, normal
 from asperity.sheets.tables import Table, read_table, text_of
 from asperity.surfaces import points
 from asperity.surfaces.instruments import read_instrument
@@ -41,10 +41,12 @@ _FACTS = {
 }
 _SDF = re.compile(r"[ab](ISO|BCR)-\d")
 _MEASURES = re.compile("unit|scale|einheit|pixel|size|resolution|length", re.IGNORECASE)
+_LOGARITHM, _DOWNWARD = re.compile(r"(?i)(log|lg|ln)\b|log_?10"), re.compile("depth|tiefe|profond")
 _AXES = (
-    Role("y", "m", r"^y\d?\b"),
+    Role("", "", r"\bstd|\berr|uncert|mask|valid"),
+    Role("y", "m", r"^y\d?\b|position y\b|y.?position"),
     Role("x", "m", r"^x\b|position|lateral|distance|length|lange|weg\b|longueur"),
-    Role("z", "m", r"^[zh]\d?\b|raw|height|profile?|topography|hohe|hauteur"),
+    Role("z", "m", r"^[zh]\d?\b|raw|height|profile?|topography|hohe|hauteur|depth|tiefe|profond"),
 )
 
 
@@ -171,6 +173,11 @@ def _roles(table: Table) -> list[tuple[str, str | None]]:
     roles = (
         columns.roles if "z" in columns.roles else ["z" if role == "y" else role for role in columns.roles]
     )
+    for at in (at for at, role in enumerate(roles) if role == "z"):
+        others = columns.scaled(at) or ["a logarithm"] * (_LOGARITHM.match(table.names[at]) is not None)
+        if others or _DOWNWARD.search(normal(table.names[at])):
+            got = f"{table.names[at]!r}, with {others[0]}" if others else f"the depths {table.names[at]!r}"
+            raise SurfaceFileError(table.name, expected="a column of heights, upward", got=got)
     units = [spelled(columns.unit_text(at)) for at in range(len(roles))]
     understood = [unit if unit == "1" or is_length(unit) else None for unit in units]
     return list(zip(roles, understood, strict=True)) if {"x", "z"} <= set(roles) else []
