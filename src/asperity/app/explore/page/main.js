@@ -30,7 +30,7 @@ const ARRIVALS = {
     app.earlier = before && app.keep && app.scene.isOn(before) && same(before.column_units, header.column_units) ? before : null;
     if (header.shear_strength) app.shear = null; // what was tried ends with a strength of the run
     app.scene.shear = app.shear ?? header.shear_strength;
-    byId("shear").value = app.scene.shear ?? "";
+    byId("shear").value = app.scene.shear ? typed(app.scene.shear) : "";
     if (!app.picked) app.curveView.name = "";
     Object.assign(app, { map: 0, following: true, change: null });
     byId("site").textContent = "Point at a site to read its height, pressure and age.";
