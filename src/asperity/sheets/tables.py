@@ -101,7 +101,7 @@ def read_table(
     shares = [_numeric_share(looked_at, *dialect) for dialect in dialects or _DIALECTS]
     best = int(np.argmax(shares))
     separator, decimal = (dialects or _DIALECTS)[best]
-    _check_decimals(lines, separator, decimal, fail)
+    _check_decimals([] if matrix and decimal == "." else lines, separator, decimal, fail)
     # A line of nothing but tabs is a row of missing cells where tabs separate; of nothing but blanks, no row.
     lines = [(number, line) for number, line in lines if line.strip() or (separator == "\t" and "\t" in line)]
     if not lines:
@@ -155,11 +155,12 @@ def _separated(
 ) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
     """Number and text of the lines without comments, and of the lines that are comments, without marks."""
     lines, notes = [], []
-    counts = Counter(line.count(";") for line in everything if line and not line.startswith(comments))
+    begun = ";" in comments and any(line[:1] == ";" for line in everything)  # perhaps by an empty first cell
+    counts = Counter(line.count(";") for line in everything if begun and not line.startswith(comments))
     cells = counts.most_common(1)[0][0] if counts else 0
     for number, line in enumerate(everything, 1):
-        is_row = line.startswith(";") and 0 < line.count(";") == cells  # whose first cell is empty
-        if line.lstrip().startswith(comments) and not (is_row and ";" in comments):
+        is_row = cells and line[:1] == ";" and line.count(";") == cells
+        if not is_row and line.lstrip().startswith(comments):
             notes.append((number, line.lstrip(" \t#%;")))
         else:
             line = _COMMENT.split(line, 1)[0] if "#" in line else line
@@ -172,32 +173,38 @@ def _check_decimals(
 ) -> None:
     """Refuse marks of which each may be a decimal one, or one between thousands.
 
-    All points of English numbers may stand before three digits; but not beside 500, which lacks them.
+    Commas decide for all columns. All points of English numbers may stand before three digits, but not beside
+    500 in one column, which lacks them.
     """
-    if decimal == "." and separator not in (";", "\t"):
-        return
-    ambiguous: dict[int, tuple[int, str]] = {}  # by column; of commas one for all
-    whole: set[int] = set()
-    for number, line in lines:
-        if decimal not in line and decimal == ",":
+    if decimal == "." and separator not in ";\t":
+        return  # where blanks or commas separate, points are decimal
+    text, settled = "\n".join(line for _, line in lines), set[int | None]()
+    for found in re.finditer(rf"\{decimal}\d{{3}}(?= *(?:[;\t \n]|$))", text):
+        row = text.rfind("\n", 0, found.start()) + 1
+        cell = text[max(text.rfind(separator, 0, found.start()) + 1, row) : found.end()].strip()
+        column = None if decimal == "," else text.count(separator, row, found.start())
+        if column in settled or not GROUPED.fullmatch(cell):
             continue
-        for at, cell in enumerate(_cells(line, separator)):
-            column = 0 if decimal == "," else at
-            if decimal not in cell:
-                whole |= {at} if _HUNDREDS.fullmatch(cell) else set()
-            elif _number(cell, decimal) is None:
-                continue
-            elif GROUPED.fullmatch(cell):
-                ambiguous.setdefault(column, (number, cell))
-            elif decimal == ",":
-                return
-            else:
-                ambiguous[column] = (0, "")
-    for column, (number, cell) in ambiguous.items():
-        if number and (decimal == "," or column in whole):
-            expected = f"a decimal mark or one between thousands, in line {number}"
+        if _is_ambiguous(lines, separator, decimal, column):
+            expected = (
+                f"a decimal mark or one between thousands, in line {lines[text.count(chr(10), 0, row)][0]}"
+            )
             advice = "decimal points, or no separators between thousands"
             raise fail(expected=expected, got=repr(cell), advice=advice)
+        settled.add(column)
+
+
+def _is_ambiguous(lines: list[tuple[int, str]], separator: str, decimal: str, column: int | None) -> bool:
+    """Whether all marks of a column, or by None of the table, stand before three digits."""
+    whole = False
+    for _, line in lines:
+        cells = _cells(line, separator)
+        for cell in cells if column is None else cells[column : column + 1]:
+            if decimal not in cell:
+                whole |= _HUNDREDS.fullmatch(cell) is not None
+            elif _number(cell, decimal) is not None and not GROUPED.fullmatch(cell):
+                return False
+    return whole or column is None
 
 
 def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) -> tuple[int, int, int]:
