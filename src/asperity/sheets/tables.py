@@ -186,9 +186,8 @@ def _check_decimals(
         if column in settled or not GROUPED.fullmatch(cell):
             continue
         if _is_ambiguous(lines, separator, decimal, column):
-            expected = (
-                f"a decimal mark or one between thousands, in line {lines[text.count(chr(10), 0, row)][0]}"
-            )
+            number, _ = lines[text.count("\n", 0, row)]
+            expected = f"a decimal mark or one between thousands, in line {number}"
             advice = "decimal points, or no separators between thousands"
             raise fail(expected=expected, got=repr(cell), advice=advice)
         settled.add(column)
