@@ -293,3 +293,13 @@ def test_units_that_stand_first_or_are_raised(name):
 def test_the_time_of_day_is_no_number_of_days():
     history = measured(written("Time of day;Load (N)\n43200;10\n43260;20\n"), units=["Time of day=s"])
     assert history[0].duration == 60
+
+
+@pytest.mark.parametrize("unit", ["-", "--", "/", "ohne", "dimensionless"])
+def test_pure_numbers_have_units_of_their_own(unit):
+    rows = "".join(f"{t};{t};6;10;0.6\n" for t in range(4))
+    record = read_record(written(f"time_s;slip_um;Reibkraft (N);Last (N);COF [{unit}]\n{rows}"))
+    assert record.friction[0] == 0.6
+    french = written(f"t (s);x (um);Contrainte de cisaillement (MPa);Contrainte normale (MPa);y\n{rows}")
+    assert read_record(french).friction[0] == 0.6
+    assert factor("10³ µm²", "m^2") == pytest.approx(1e-9)

@@ -49,13 +49,14 @@ _IN_WORDS = {
     "N": r"newtons?",
     "kgf": r"kp|kilopond",
 }
+_PURE = ("-", "--", "/", "ohne", "dimensionless")
 _PREFIXES = {"": 1.0, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
 _BASES = {"s", "m", "N", "Pa", "J", "K", "W", "Hz", "ohm", "rad"}
 _WITHOUT_PREFIX = ("minute", "hour", "day", "week", "year")
 """Units that have no prefix, though Pint takes hh for hectohours."""
 
 _RAISED, _LOWERED = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+"), str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
-_POWER = re.compile(r"10(?:\^|(?=-))(-?\d{1,2})(?:[ *]+(?=[A-Za-z1])|(?=/|$))")
+_POWER = re.compile(r"10(?:\^|(?=-))(-?\d{1,2})(?:[ *]+(?=[A-Za-zµμ1])|(?=/|$))")
 _WORD = re.compile("[A-Za-zµμΩÅ]+")
 _EXAMPLES = {
     "Pa": "1 MPa",
@@ -192,7 +193,7 @@ def spelled(text: str) -> str | None:
     words = {word: _in_case(word) for word in _WORD.findall(text)}
     if None in words.values():
         return None
-    return "1" if text == "-" else _WORD.sub(lambda match: str(words[match[0]]), text)
+    return "1" if text in _PURE else _WORD.sub(lambda match: str(words[match[0]]), text)
 
 
 def _in_case(word: str) -> str | None:

@@ -32,10 +32,10 @@ ROLES = (
     Role(
         "normal stress",
         "Pa",
-        r"(norm?|normale?|eff|effective)\b.*(stress|pressure|contrainte)|normalspannung"
+        r"(norm?|normale?|eff|effective)\b.*(stress|pressure|contrainte)|normalspannung|contrainte.*normal"
         r"|^(sigma|σ) ?(n|eff|norm)?$|^(eff ?)?ns$",
     ),
-    Role("normal force", "N", r"normal.*(force|load)|normalkraft|force normale|^(load|fn|f n|fz|f z)$"),
+    Role("normal force", "N", r"normal.*(force|load)|normalkraft|force normale|^(load|last|fn|f n|fz|f z)$"),
     Role(
         "shear stress",
         "Pa",

@@ -32,7 +32,7 @@ _ROLES = (
     Role("frequency", "rad/s", r"freq|omega|ω|^[fw]$|^nu$|angular|pulsation"),
     TIME,
     Role("loss", "Pa", r"loss|verlust|perte|''|double.?prime|imag|visc|visk|visq"),
-    Role("storage", "Pa", r"storage|speicher|conservation|stockage|\b[eg] ?'|prime|real"),
+    Role("storage", "Pa", r"\bstor(age)?\b|speicher|conservation|stockage|\b[eg] ?'|prime|real"),
     Role("creep modulus", "Pa", r"(creep|kriech) ?modul|modul\w* (de |d'|en )?fluage"),
     Role("relative modulus", "1", r"(normali[sz]|relativ|normier)\w* .*modul|\b([eg]) ?/ ?\2 ?\(?[0i]"),
     Role(
