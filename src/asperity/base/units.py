@@ -11,6 +11,8 @@ import re
 import tokenize
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from asperity.base import checks
 from asperity.base.words import (
     InUnits,
@@ -108,8 +110,10 @@ def converted(
 
 def numbers(name: str, values: object, unit: str) -> object:
     """Replace texts, one or several in a list, by numbers; leave anything else as it is."""
-    if getattr(getattr(values, "magnitude", values if unit_of(values) else None), "ndim", 0) == 1:
+    if getattr(getattr(values, "magnitude", None), "ndim", 0) == 1:
         values = list(values)  # type: ignore[call-overload]
+    elif (stated := unit_of(values)) and np.ndim(values) == 1:  # type: ignore[arg-type]
+        values = [f"{one!r} {stated}" for one in np.asarray(values).tolist()]
     if isinstance(as_text(values), str):
         return [number(name, values, unit)]
     if isinstance(values, list | tuple) and any(isinstance(as_text(value), str) for value in values):
