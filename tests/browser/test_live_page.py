@@ -86,7 +86,7 @@ def test_another_question_keeps_what_it_does_not_use(live):
     assert page.input_value("[id='contact.pressure']") == "3 MPa"
     for kind in ("layer", "half_space"):
         page.select_option("[id='solid.kind']", kind)
-    assert page.evaluate("asperityForm => JSON.stringify(app.form.read().solid)", None).count("poisson") == 0
+    assert "poisson" not in page.evaluate("app.form.read().solid")
 
 
 def test_another_load_is_another_run(live):

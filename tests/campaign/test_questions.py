@@ -12,6 +12,7 @@ import asperity as asp
 import asperity.app.campaign as campaign
 from asperity.app.campaign.plan import read_plan
 from asperity.app.cli import main
+from asperity.app.explore.folders import open_entry
 from asperity.errors import ConfigError
 from asperity.figures import campaign_figure
 from asperity.results import load
@@ -173,3 +174,24 @@ def test_a_table_of_the_solid_counts_by_its_content_and_its_spread_is_kept(tmp_p
     assert (state, "changed since" in reason) == ("failed", True)
     assert read_plan(written(tmp_path, f"{text}pressure = [2e7]")).runs[0].identity != run.identity
     assert json.loads((tmp_path / "out" / "plan.json").read_text())["runs"][0][0] == run.identity
+
+
+def test_keys_of_a_table_are_swept_and_a_campaign_of_predictions_is_opened(tmp_path):
+    time = np.geomspace(0.1, 1e4, 21)
+    table = pd.DataFrame({"time_s": time, "E_Pa": 1e9 * (0.4 + 0.6 / (1 + time) ** 0.3)})
+    solid = "relaxation = 't.csv'\npoisson = 0.3\nreference = '20degC'\nactivation_energy = '100kJ/mol'\n"
+    solid += "extrapolate = 'plateau'\n"
+    given = BODIES.replace('modulus = 1e9\nbranches = [[0.3, "10 ms"], [0.4, 1.0]]\n', solid)
+    assert "t.csv" in given
+    given += "[contact]\npressure = '20 MPa'\n[aging]\nfirst = 3.0\nlast = 100.0\n"
+    for question in ("", "[prediction]\n"):
+        folder = tmp_path / (question.strip("[]\n") or "run")
+        folder.mkdir()
+        table.to_csv(folder / "t.csv", index=False)
+        done_here(folder, f"{given}{question}[sweep]\ntemperature = ['20degC', '40degC']\n")
+        swept = campaign.open(folder / "out")["temperature"]
+        np.testing.assert_allclose(swept, [293.15, 313.15])
+        assert main(["gather", str(folder / "out")]) == 0
+        opened = open_entry(folder, "out")
+        assert opened.recording is not None
+        assert opened.recording.rows

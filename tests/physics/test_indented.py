@@ -180,3 +180,14 @@ def test_intervals_contain_what_made_the_record(rho):
             low, high = found.verdicts[name].profile
             inside[name] += low <= value <= high
     assert min(inside.values()) >= 12  # of 16 at 95 %: fewer once in 1000 times
+
+
+def test_a_snap_in_and_an_offset_of_the_force_do_not_turn_it():
+    """Of the largest force: attraction of a quarter before the contact, a baseline below 0, and one above."""
+    force = noisy(0, part=0.005)
+    most, before = force.max(), (TIME > 0.78) & (TIME < 0.86)
+    for record, rest in ((force - 0.25 * most * before, 0.0), (force - most, -most), (force + most, most)):
+        read = Indentation.of(TIME, DEPTH, record)
+        assert read.signs == "depth grows into the body, forces above 0 press"
+        assert read.baseline == pytest.approx(rest, abs=0.01 * most)
+        np.testing.assert_allclose(read.force[TIME > 0.9], force[TIME > 0.9], atol=0.01 * most)
