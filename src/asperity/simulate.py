@@ -168,7 +168,8 @@ def pressed(
     """`press` without remarks, for histories, which have their own."""
     body = checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
     bodies = bodies_of(heights, body)
-    units.check_units(dict(body.parameters), si=bodies.si)
+    dimensions = bodies.lattice.dimension
+    units.check_units(dict(body.parameters), si=bodies.si, dimensions=dimensions, name="apparatus")
     name = checks.one_of("load=800.0", **held)
     return first_contact(bodies, control_by(bodies, name, held[name]), start=start, solver=solver)
 
@@ -330,8 +331,8 @@ def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | Non
         legs = list(legs_of(protocol))
         checks.instance("contact", contact, Contact, WHERE_FROM)
         check_start(protocol, contact)
-        line = contact.lattice.dimension == 1
-        units.check_units([vars(leg) for leg in legs], si=contact.si, line=line, name="protocol")
+        dimensions = contact.lattice.dimension
+        units.check_units([vars(leg) for leg in legs], si=contact.si, dimensions=dimensions, name="protocol")
         schedule = Schedule.of(legs, times)
         check_slides(legs, contact.lattice, contact.solid)
         for leg in legs:

@@ -93,18 +93,19 @@ def number(name: str, value: object, unit: str, *, of_line: str = "", **bounds: 
         return value if isinstance(value, InUnits) else checked  # it is read twice, and remembers its unit
     if not has_unit(text):
         raise _no_quantity(name, text, unit)
+    dimensions, other = 2 if of_line else None, of_line
     if of_line and (match := _NUMBER.fullmatch(text)) and factor(match[2], of_line) is not None:
-        unit = of_line
-    return InUnits.of(checks.number(name, quantity(text, unit, name), **bounds), text, unit)
+        unit, dimensions, other = of_line, 1, unit
+    amount = checks.number(name, quantity(text, unit, name), **bounds)
+    return InUnits.of(amount, text, unit, dimensions, other)
 
 
 def converted(
-    name: str, value: float | str | None, unit: str, *, si: bool, line: bool | None = None
+    name: str, value: float | str | None, unit: str, *, si: bool, of_line: str = "", dimensions: int = 2
 ) -> float | None:
     """Make a number of a text with a unit, checked by `check_units`; leave anything else to its checks."""
-    of_line = "N/m" if unit == "N" and line is not None else ""
     value_in_unit = number(name, value, unit, of_line=of_line) if isinstance(as_text(value), str) else value
-    check_units(value_in_unit, si=si, line=line, name=name)
+    check_units(value_in_unit, si=si, dimensions=dimensions, name=name)
     return value_in_unit  # type: ignore[return-value]
 
 
@@ -126,21 +127,24 @@ def either(name: str, value: object, unit: str) -> Any:
     return number(name, value, unit) if isinstance(as_text(value), str) else numbers(name, value, unit)
 
 
-def check_units(*tables: object, si: bool, line: bool | None = None, name: str = "load") -> None:
+def check_units(*tables: object, si: bool, dimensions: int = 2, name: str = "units") -> None:
     """Refuse numbers with a unit in tables if nothing else has units; `InputError`.
 
-    With `si` all is in SI. Forces, about that name, on a line contact are for each metre of its length.
+    With `si` all is in SI. On a surface of one dimension forces are for each metre of its length: the error
+    has that name.
     """
     for written in written_with_units(tables):
         if not si:
             expected = "plain numbers, as the surface or the solid has no units"
             advice = "half_space under Surface(heights, unit='um', pixel_size=..., length_unit='um')"
             raise InputError("units", expected=expected, got=repr(written.written), advice=advice)
-        if line is not None and written.unit in ("N", "N/m") and line != (written.unit == "N/m"):
-            expected = "a force in N, as the surface has two dimensions"
-            if line:
-                expected = "a force for each metre of the profile's length, in N/m"
-            raise InputError(name, expected=expected, got=repr(written.written))
+        if written.dimensions not in (None, dimensions):
+            why = (
+                "for each metre of the profile's length"
+                if dimensions == 1
+                else "as the surface is no profile"
+            )
+            raise InputError(name, expected=f"a number in {written.other}, {why}", got=repr(written.written))
 
 
 def quantity(value: object, unit: str, name: str = "quantity") -> float:

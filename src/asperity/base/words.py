@@ -28,16 +28,25 @@ MEANT = {
 
 
 class InUnits(float):
-    """A number that was written with a unit; its value is in SI."""
+    """A number that was written with a unit; its value is in SI.
+
+    Of what has another unit for a line contact, `dimensions` are those of a surface that has this one, and
+    `other` is the unit for others.
+    """
 
     written: str
     unit: str
+    dimensions: int | None
+    other: str
 
     @classmethod
-    def of(cls, value: float, written: str, unit: str) -> Self:
+    def of(
+        cls, value: float, written: str, unit: str, dimensions: int | None = None, other: str = ""
+    ) -> Self:
         """Make one that remembers how it was written, and its unit in SI."""
         number = cls(value)
         number.written, number.unit = written, unit
+        number.dimensions, number.other = dimensions, other
         return number
 
 
@@ -119,7 +128,9 @@ def as_text(value: Any) -> Any:
 
 def unit_of(array: Any) -> str:
     """The unit that an array of xarray states; empty without one, and for a lattice's own units."""
-    unit = str(getattr(array, "attrs", {}).get("units", "")) if hasattr(array, "item") else ""
+    if not (hasattr(array, "attrs") and hasattr(array, "item")):
+        return ""
+    unit = str(array.attrs.get("units", ""))
     return "" if unit == "1" or re.search(r"\bunit|\bsite|\bspacing", unit) else unit
 
 

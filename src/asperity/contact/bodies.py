@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.base import checks, units
-from asperity.base.words import InUnits
 from asperity.contact.controls import Control, Load, Separation
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
@@ -71,18 +70,7 @@ def bodies_of(heights: ArrayLike, solid: Solid) -> Bodies:
     edges = heights.edges if isinstance(heights, Surface) else "periodic"
     if edges == "free":
         _check_free(solid, rough.ndim)
-    _check_apparatus(solid, rough.ndim)
     return Bodies(rough, Lattice(rough.shape, spacing, edges), solid, origin, si)
-
-
-def _check_apparatus(solid: Solid, dimension: int) -> None:
-    """Refuse a stiffness in a unit of bodies of another dimension."""
-    stiffness = solid.parameters.get("apparatus")
-    if isinstance(stiffness, InUnits) and stiffness.unit != (unit := {1: "N/m^2", 2: "N/m"}[dimension]):
-        expected = f"a stiffness in {unit}" + ", for each metre of the profile's length" * (dimension == 1)
-        raise InputError(
-            "apparatus", expected=expected, got=repr(stiffness.written), path=("solid", "apparatus")
-        )
 
 
 def _check_free(solid: Solid, dimension: int) -> None:
@@ -99,8 +87,9 @@ def _check_free(solid: Solid, dimension: int) -> None:
 
 def control_by(bodies: Bodies, name: str, value: Any) -> Control:
     """Load, or by name pressure or separation, in the units of the bodies; `InputError` where it is none."""
-    unit = {"load": "N", "pressure": "Pa", "separation": "m"}[name]
-    number: Any = units.converted(name, value, unit, si=bodies.si, line=bodies.lattice.dimension == 1)
+    unit, of_line = {"load": ("N", "N/m"), "pressure": ("Pa", ""), "separation": ("m", "")}[name]
+    how: Any = {"si": bodies.si, "of_line": of_line, "dimensions": bodies.lattice.dimension}
+    number: Any = units.converted(name, value, unit, **how)
     if name == "separation":
         return Separation(number)
     if name == "pressure":

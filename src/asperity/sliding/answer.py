@@ -65,7 +65,8 @@ def steady_sliding(question: SteadySliding) -> xr.Dataset:
     bodies = bodies_of(scan, _checked(material.solid))
     law = question.shear_strength
     of_law = vars(law) if isinstance(law, ShearStrength) else {}
-    units.check_units({"speeds": question.speeds}, of_law, dict(bodies.solid.parameters), si=bodies.si)
+    given = {"speeds": question.speeds}, of_law, dict(bodies.solid.parameters)
+    units.check_units(*given, si=bodies.si, dimensions=bodies.lattice.dimension, name="apparatus")
     profile, speeds = Profile.of(bodies, question.direction, _load_of(question, bodies)), question.each_speed
     require(_BYTES + 16 * profile.branches, profile.lattice.shape)
     if not question.beyond_table:
