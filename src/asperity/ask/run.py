@@ -22,7 +22,7 @@ from asperity.ask.solid import SOLIDS, SolidSection
 from asperity.ask.strength import ShearStrength
 from asperity.ask.surface import SURFACES, SurfaceSection
 from asperity.base.checks import choice, shown
-from asperity.base.files import Format, expanded, without_links
+from asperity.base.files import Format
 from asperity.base.parameters import Quantity
 from asperity.errors import SHOWN_PROBLEMS, InputError, Name, Words
 from asperity.protocols import Leg
@@ -247,10 +247,9 @@ class RunConfig:
 
         The branches of a table take its place, unless its spread is used.
         """
-        solid = self.solid.resolved() if "solid" in self.unused else self.solid.anywhere()
-        parts: dict[str, Any] = {"solid": solid, "surface": self.surface.anywhere()}
-        if (measured := self.output.measured) is not None:
-            parts["output"] = self.output.but(measured=str(without_links(expanded(measured))))
+        parts: dict[str, Any] = {name: getattr(self, name).anywhere(key) for name, key in FILES.items()}
+        if "solid" in self.unused:
+            parts["solid"] = self.solid.resolved()
         for name, keys in self.unused.items():
             part = parts.get(name, getattr(self, name))
             parts[name] = part.but(**{key: part.keys[key].default for key in keys if key in part.keys})

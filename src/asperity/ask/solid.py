@@ -16,7 +16,7 @@ from asperity.ask.laws import ACTIVATED, KEYS, KEYS_OF_LAWS, OF_LAWS
 from asperity.ask.section import Keys, Section, arguments_of, keys_of_maker
 from asperity.base.calls import outside
 from asperity.base.checks import any_of
-from asperity.base.files import expanded, without_links
+from asperity.base.files import expanded
 from asperity.base.parameters import Law, Quantity, check_needs, parameters_of
 from asperity.creep import Eyring
 from asperity.errors import InputError, Name, Words, named
@@ -88,11 +88,6 @@ class SolidSection(Section):
         """Make the solid."""
         solid: Solid = self.make(**self.given)
         return solid
-
-    def anywhere(self) -> Self:
-        """The same, with an absolute path of its table."""
-        path = getattr(self, "relaxation", None)
-        return self if path is None else self.but(relaxation=str(without_links(expanded(path))))
 
     @property
     def laws(self) -> dict[str, Law]:

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 
 from asperity.ask.section import Section, SectionError, arguments_of
-from asperity.base.files import content_of, expanded, without_links
+from asperity.base.files import content_of, expanded
 from asperity.base.parameters import Quantity
 from asperity.base.words import has_unit
 from asperity.errors import InputError
@@ -64,10 +64,6 @@ class SurfaceSection(Section):
         """The file on which it depends, if any."""
         path = getattr(self, "path", None)
         return None if path is None else expanded(path)
-
-    def anywhere(self) -> Self:
-        """The same, with an absolute path of its file."""
-        return self if self.file is None else self.but(path=str(without_links(self.file)))
 
     @property
     def scan(self) -> Self:

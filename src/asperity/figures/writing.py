@@ -121,13 +121,13 @@ def _columns(figure: Drawing) -> Iterator[tuple[str, Any]]:
         title = axes.get_title().partition("\n")[0]
         across = next(filter(None, [*(each.get_xlabel() for each in (axes, *shared)), title, "x"]))
         along = axes.get_ylabel() or figure.get_supylabel() or title or "y"
-        panel = f"{title}, " if title and along == figure.get_supylabel() else ""
+        panel = title if along == figure.get_supylabel() else ""
         for label, x, series in chain(*getattr(axes, "series", {}).values()):
             if (across, tuple(x)) != place:
                 place = across, tuple(x)
                 yield place
-            named = f"{panel}{label.removeprefix('_').partition(chr(10))[0]}".removesuffix(", ")
-            named += ": " * bool(named)
+            told = ", ".join(filter(None, (panel, label.removeprefix("_").partition("\n")[0])))
+            named = f"{told}: " if told else ""
             for ending, values in series.items():
                 quantity, bracket, unit = along.partition(" [")
                 yield f"{named}{quantity}{ending}{bracket}{unit}", values

@@ -147,31 +147,45 @@ def clustering(
         shorter axis, so that there is none on axes of less than 4 sites.
     """
     touching = mask("in_contact", in_contact)
-    of_body = np.ones_like(touching) if body is None else mask("body", body)
-    sites, shorter = np.count_nonzero(of_body), _shorter(touching, of_body)
+    of_body = None if body is None else mask("body", body)
+    sites, shorter = _sites(touching, of_body), _shorter(touching, of_body)
     fraction = np.count_nonzero(touching) / sites
     side = usual_box(touching, of_body) if box is None else box
     side = checks.integer("box", side, least=_SMALLEST_BOX, most=shorter // 2)
     if fraction in (0.0, 1.0):
         return math.nan
-    inside, whole = touching.astype(np.int64), of_body.astype(np.int64)
-    beyond: Literal["wrap", "constant"] = "wrap" if edges == "periodic" else "constant"
-    for axis in range(touching.ndim):
-        of_box = np.ones(side, dtype=np.int64)
-        inside, whole = (scipy.ndimage.convolve1d(one, of_box, axis, mode=beyond) for one in (inside, whole))
-    capacity = side**touching.ndim
-    boxes = inside[whole == capacity]
+    capacity, boxes = side**touching.ndim, _in_boxes(touching, side, edges)
+    if of_body is not None or edges != "periodic":
+        body_sites = np.ones_like(touching) if of_body is None else of_body
+        boxes = boxes[_in_boxes(body_sites, side, edges) == capacity]
     at_random = capacity * fraction * (1 - fraction) * (sites - capacity) / (sites - 1)
     return float(np.mean((boxes - capacity * fraction) ** 2) / at_random) if boxes.size else math.nan
 
 
+def _in_boxes(counted: Mask, side: int, edges: Edges) -> NDArray[np.int64]:
+    """How many of these sites are in the box at each site."""
+    inside = counted.astype(np.int64)
+    beyond: Literal["wrap", "constant"] = "wrap" if edges == "periodic" else "constant"
+    for axis in range(counted.ndim):
+        inside = scipy.ndimage.convolve1d(inside, np.ones(side, dtype=np.int64), axis, mode=beyond)
+    return inside
+
+
 def usual_box(touching: Mask, body: Mask | None = None) -> int:
     """Side of the boxes that `clustering` takes where none is given."""
-    fraction = np.count_nonzero(touching) / (touching.size if body is None else np.count_nonzero(body))
+    fraction = np.count_nonzero(touching) / _sites(touching, body)
     side: float = (_CONTACTS_PER_BOX / fraction) ** (1 / touching.ndim) if fraction else 1.0
     return max(_SMALLEST_BOX, min(round(side), _shorter(touching, body) // _BOXES_PER_AXIS))
 
 
+def _sites(touching: Mask, body: Mask | None) -> int:
+    """Sites of the body."""
+    return int(np.count_nonzero(np.ones_like(touching) if body is None else body))
+
+
 def _shorter(touching: Mask, body: Mask | None) -> int:
     """Sites along the shorter axis of the body."""
-    return min(touching.shape if body is None else [np.unique(along).size for along in np.nonzero(body)])
+    if body is None:
+        return int(min(touching.shape))
+    along = range(body.ndim)
+    return int(min(np.count_nonzero(body.any(axis=tuple({*along} - {axis}))) for axis in along))

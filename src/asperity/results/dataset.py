@@ -136,7 +136,8 @@ def _with_patches(dataset: xr.Dataset, start: Contact, snapshots: Sequence[Snaps
     import xarray as xr
 
     maps, times = dataset["in_contact"].values, [snapshot.time for snapshot in snapshots]
-    body = np.isfinite(start.heights)
+    covered = np.isfinite(start.heights)
+    body = None if covered.all() else covered
     series = map_series(maps, times, start.lattice, body)
     in_lengths = start.solid.in_lengths
     pressure = dataset["pressure"].values if in_lengths else dataset["force"].values / start.lattice.cell

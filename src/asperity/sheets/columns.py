@@ -263,10 +263,10 @@ def _parts(name: str) -> list[_Parts]:
         base = {"log": 0.0, "ln": math.e}.get(logarithm[1].lower(), 10.0)
         inner = f"{logarithm[2]}{logarithm[3]}" if logarithm[2] else logarithm[4]
         return [replace(parts, base=base) for parts in _parts(inner)]
-    bracket = _BRACKETS.fullmatch(name)
-    argument = bracket[2] if bracket and len(bracket[2]) == 1 else bracket[2].lower() if bracket else ""
-    if bracket and not re.fullmatch(f"{_ARGUMENT}|0", argument):
-        return [_Parts(bracket[1], bracket[2], is_clear=True), _Parts(name)]
+    if bracket := _BRACKETS.fullmatch(name):
+        label, inner = bracket.groups()
+        if not re.fullmatch(f"{_ARGUMENT}|0", inner if len(inner) == 1 else inner.lower()):  # (W) is a unit
+            return [_Parts(label, inner, is_clear=True), _Parts(name)]
     pairs = [
         _Parts(label, unit, is_clear="/" in separator[0])
         for separator in re.finditer(r"\s*/\s*|\s+[-–]\s+|[_,:\s]+", name)

@@ -13,7 +13,7 @@ import functools
 import math
 import re
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -95,13 +95,12 @@ def read_table(
     lines = [(number, line) for number, line in lines if number > 1 or not stated]
     looked_at = [line for _, line in lines if line.strip()]
     looked_at = looked_at[:_LOOKED_AT] if matrix else looked_at[-_LOOKED_AT:]
-    # Blanks stand in words beside tabs.
-    left_out = " " if not matrix and _has_tabs(looked_at) else ""
-    dialects = [one for one in _DIALECTS if one[0] != left_out and (not stated or one[0] == stated[1])]
-    shares = [_numeric_share(looked_at, *dialect) for dialect in dialects or _DIALECTS]
+    dialects = _DIALECTS if matrix else _dialects(looked_at, stated[1] if stated else "")
+    shares = [_numeric_share(looked_at, *dialect) for dialect in dialects]
     best = int(np.argmax(shares))
-    separator, decimal = (dialects or _DIALECTS)[best]
-    _check_decimals([] if matrix and decimal == "." else lines, separator, decimal, fail)
+    separator, decimal = dialects[best]
+    if not matrix or decimal == ",":
+        _check_decimals(lines, separator, decimal, fail)
     # A line of nothing but tabs is a row of missing cells where tabs separate; of nothing but blanks, no row.
     lines = [(number, line) for number, line in lines if line.strip() or (separator == "\t" and "\t" in line)]
     if not lines:
@@ -144,10 +143,16 @@ def read_table(
     return Table(str(path), names[:kept], in_row[:kept], values[:, :kept], rows, separator)
 
 
-def _has_tabs(lines: list[str]) -> bool:
-    """Whether tabs stand in most lines, and no blanks between numbers."""
+def _dialects(lines: list[str], stated: str) -> Sequence[tuple[str, str]]:
+    """Separators and decimal marks that these lines may have: the stated one, and no blanks beside tabs.
+
+    Where tabs stand in most lines, and no blanks between numbers, blanks stand in words.
+    """
     tabbed = [line for line in lines if "\t" in line.strip(" ")]
-    return 2 * len(tabbed) > len(lines) and not any(re.search(r"\d +[-+.\d]", line) for line in tabbed)
+    by_tabs = 2 * len(tabbed) > len(lines) and not any(re.search(r"\d +[-+.\d]", line) for line in tabbed)
+    left_out = " " if by_tabs else ""
+    possible = [one for one in _DIALECTS if one[0] != left_out and stated in ("", one[0])]
+    return possible or _DIALECTS
 
 
 def _separated(

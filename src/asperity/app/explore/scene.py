@@ -26,7 +26,6 @@ from asperity.analysis.legs import leg_table, numbers_of
 from asperity.analysis.maps import on_the_surface
 from asperity.app.config import RunConfig, to_tables, to_toml
 from asperity.app.runs import Outcome
-from asperity.ask.strength import ShearStrength
 from asperity.base.words import finite
 from asperity.lattice import Edges, Field, Mask
 from asperity.patches import patches
@@ -180,9 +179,8 @@ class Recording:
     maps: list[Map] = field(default_factory=list)
     stage: str = ""
     end: Header | None = None
-    _law: ShearStrength | None = None
     _strengths: Sequence[float] = ()
-    """Shear strength in each leg, over that stated; without growth."""
+    """Shear strength in each leg, over that stated; without growth. Empty without one."""
     _first: Mapping[str, float] | None = None
     """The reference entry: the first, or after a first load of 0 the end of the rise."""
     _last: Mapping[str, float] | None = None
@@ -194,7 +192,7 @@ class Recording:
         self.scene |= facts
         if config is not None and (law := config.friction.strength) is not None:
             speeds = np.array([leg.speed or 0.0 for leg in config.written_out] or [0.0])
-            self._law, self._strengths = law, (law.at(coming_velocity(speeds)) / law.strength).tolist()
+            self._strengths = (law.at(coming_velocity(speeds)) / law.strength).tolist()
 
     def add_row(self, row: Mapping[str, float]) -> None:
         """Add an entry of the time series, by the names of the dataset."""
@@ -205,12 +203,10 @@ class Recording:
             self._rises = row["load"] > self._first["load"] * (1 + _RISE)
             self._first = row if self._rises else self._first
         columns, switches = self.scene["columns"], self.scene["switches"]
-        entry = dict(row)
-        if self._law is not None and "strength_mean" in row:
-            entry[_STRENGTH] = row["strength_mean"] / self._law.strength
-        elif self._law is not None:
-            entry[_STRENGTH] = self._strengths[int(row.get("leg", 0))] + row.get("grown", 0.0)
-        self.rows.append(_numbers(entry, columns, self._first, self._last or row, switches))
+        if self._strengths and _STRENGTH not in row:
+            strength = self._strengths[int(row.get("leg", 0))] + row.get("grown", 0.0)
+            row = {**row, _STRENGTH: strength}
+        self.rows.append(_numbers(row, columns, self._first, self._last or row, switches))
         self._last = row
 
     def next(self, cursor: Cursor) -> tuple[Header, Arrays] | None:
@@ -280,9 +276,10 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
     """Make the recording of a finished history: rows, and the maps that it kept."""
     recording = Recording(job)
     recording.begin(dataset, config, title)
-    every = ("time", *_SERIES, *_ends(dataset), "mean_contact_pressure", "strength_mean")
-    names = [name for name in every if name in dataset]
+    names = [name for name in ("time", *_SERIES, *_ends(dataset), "mean_contact_pressure") if name in dataset]
     series = {name: dataset[name].values.tolist() for name in names} | {"leg": numbers_of(dataset).tolist()}
+    if "strength_mean" in dataset:
+        series[_STRENGTH] = (dataset["strength_mean"] / dataset.attrs["shear_strength"]).values.tolist()
     for number in range(dataset.sizes["time"]):
         recording.add_row({name: values[number] for name, values in series.items()})
     count = dataset.sizes["field_time"] if "in_contact" in dataset else 0
