@@ -261,14 +261,12 @@ def test_a_solution_errs_no_more_than_it_may_and_takes_less(size):
     exact, guess = (ActiveSet().solve(each, None, PUBLISHED) for each in (problem, near))
     iterations = [ActiveSet().solve(problem, Guess(guess.u), PUBLISHED).iterations]
     for allowed in np.std(exact.u) * np.array([1e-6, 1e-5, 1e-4]):
-        for settled in (True, False):
-            found = ActiveSet().solve(
-                problem, Guess(guess.u), Accuracy(error=float(allowed), settled=settled)
-            )
+        for accuracy in (Accuracy(error=float(allowed)), Accuracy(1e-6, float(allowed))):
+            found = ActiveSet().solve(problem, Guess(guess.u), accuracy)
             assert np.std(found.u - exact.u) < 4 * allowed
             assert np.mean(found.u - exact.u) ** 2 < (4 * allowed) ** 2
             assert (found.u >= problem.heights).all()
-            if settled:
+            if accuracy.settled:
                 assert np.count_nonzero(found.in_contact ^ exact.in_contact) <= 2
                 iterations.append(found.iterations)
     more = itertools.pairwise(iterations)

@@ -131,9 +131,9 @@ class FieldSteps(TrBdf2):
         guess = Guess(ahead, last=latest.u)
         accuracy = Accuracy(stage.tolerance)
         if self.eager:
-            accuracy = Accuracy(stage.tolerance, stage.allowed_error, settled=stage.is_last)
+            accuracy = Accuracy(stage.tolerance, stage.allowed_error)
         solution = solved(self.solver, problem, guess, accuracy)
-        if accuracy.settled:  # steps begin with modes that are exact
+        if stage.is_last:  # steps begin with modes that are exact
             modes = lattice.forward(solution.u)
         else:
             modes = lattice.forward_near(solution.u, latest.u, latest.modes)

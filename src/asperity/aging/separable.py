@@ -198,8 +198,7 @@ class SeparableSteps(Steps):
         # Forces relax; what is left off contact and not balanced stays in the anchors, so it is to be small.
         accuracy = Accuracy(TOLERANCE * load / total)
         if self.eager:
-            passing, allowed = aim.allowed_errors
-            accuracy = Accuracy(aim.tolerances[1], allowed, settled=allowed < passing)
+            accuracy = Accuracy(aim.tolerances[1], aim.allowed_errors[1])
         solution = solved(self.solver, problem, guess, accuracy)
         error = 0.0
         if ahead > 0:

@@ -161,7 +161,7 @@ class SlideSteps(FieldSteps):
                 before /= 1 - memory.weights[-1]
                 accuracy = Accuracy(aim.tolerances[n == last])
                 if self.eager:
-                    accuracy = Accuracy(accuracy.residual, aim.allowed_errors[n == last], settled=n == last)
+                    accuracy = Accuracy(accuracy.residual, aim.allowed_errors[n == last])
                 step = RememberedStep(mechanics, duration, memory.weights[-1])
                 spent += self.reach(step, before, self.tried[-1].u, accuracy)
         except ConvergenceError as failure:

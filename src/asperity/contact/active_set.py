@@ -22,7 +22,8 @@ external force, until the surface comes back to the heights: the same method wit
 
 Where sites attract each other, revisions of the contacts also take the attraction of the present surface,
 once few contacts are wrong. It begins with that of the surface before, and no site is pulled before the
-surface has come within the range, so that the contact remembers.
+surface has come within the range, so that the contact remembers. Between published states contacts need not
+settle, and fronts would lag behind: there the attraction is that of a surface ahead.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ class Tuning:
     reduction: float = 0.3
     """How far, at least, the linear residual falls before the set of contacts is revised."""
 
-    reduction_per_change: float = 4.0
+    reduction_per_change: float = 16.0
     """After a revision that moved the fraction x of the contacts, the residual falls to this times x."""
 
     careful_after: int = 60
@@ -79,8 +80,11 @@ class Tuning:
     patience: int = 5
     """Exchanges of all wrong sites allowed without a new record, before single exchanges begin."""
 
-    steady: float = 0.005
+    steady: float = 0.02
     """Part of the contacts that may be wrong where the attraction is revised with them."""
+
+    ahead: float = 0.5
+    """How far ahead the attraction is where contacts may change still, over the surface's last move."""
 
     most_revisions: int = 10_000
     """Revisions of the set after which the solver gives up."""
@@ -142,7 +146,7 @@ class ActiveSet:
             if not (bool(run.xp.any(wrong)) or run.attraction_moves()):
                 if run.converged():
                     return run.solution()
-            elif not accuracy.settled and run.attracted_anew and run.unimportant(wrong):
+            elif run.unimportant(wrong):
                 return run.solution()
             else:
                 run.exchange(wrong)
@@ -161,6 +165,7 @@ class _Run:
     ) -> None:
         self.method, self.problem, self.interface = method, problem, problem.interface
         self.tolerance, self.allowed_error = accuracy.residual, accuracy.error
+        self.settled = accuracy.settled
         self.allowed_imbalance = math.inf
         self.xp = xp = library(method.arrays)
         self.stiffness, self.rhs, self.heights = map(
@@ -177,7 +182,8 @@ class _Run:
         self.in_contact = xp.asarray(touching, copy=True) & ~self.yielding
         law = self.interface.adhesion
         self.strength = law.strength * self.interface.cell if law else 0.0
-        self.pull, self.attracted_anew = None if pull is None else xp.asarray(pull), pull is None
+        self.pull = None if pull is None else xp.asarray(pull)
+        self.attracted: Field | None = None
         self.iterations = self.set_changes = self.revisions = 0
         self.record = problem.lattice.sites + 1
         self.patience, self.reduction = TUNING.patience, TUNING.reduction
@@ -329,7 +335,8 @@ class _Run:
 
     def unimportant(self, wrong: Mask) -> bool:
         """Whether u is as accurate as it is to be, although some sites are on the wrong side."""
-        if self.left_over > self.allowed_error:
+        behind = self.pull is not None and self.attracted is None
+        if self.settled or behind or self.left_over > self.allowed_error:
             return False
         xp, lattice = self.xp, self.problem.lattice
         lifted = self.force / lattice.mean_over_modes(self.problem.stiffness)
@@ -369,14 +376,16 @@ class _Run:
         """Take the attraction of the surface as it is, if that is near; how many sites this moves."""
         if self.pull is None or wrong > TUNING.steady * self.contacts:
             return 0  # else it is revised with the contacts, in half the time of one after the other
-        before, self.pull, self.attracted_anew = self.pull, self.attraction(), True
+        last, self.attracted = self.attracted, self.xp.asarray(self.u, copy=True)
+        ahead = 0.0 if self.settled or last is None else TUNING.ahead * (self.u - last)
+        before, self.pull = self.pull, self.attraction(ahead)
         # Another problem: what went round in circles before says nothing about it.
         self.revisions, self.record, self.patience = 0, self.problem.lattice.sites + 1, TUNING.patience
         return int(self.xp.count_nonzero(self.pull != before))
 
-    def attraction(self) -> Field:
-        """The adhesive force of the present surface."""
-        attraction: Field = self.xp.asarray(self.interface.pull(to_numpy(self.u - self.heights)))
+    def attraction(self, ahead: Field | float = 0.0) -> Field:
+        """The adhesive force of the present surface, or of one ahead of it."""
+        attraction: Field = self.xp.asarray(self.interface.pull(to_numpy(self.u + ahead - self.heights)))
         return attraction
 
     def attraction_moves(self) -> bool:

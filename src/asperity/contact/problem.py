@@ -160,13 +160,16 @@ class Accuracy:
     """How accurate a solution is to be.
 
     No force off contact exceeds ``residual`` times the mean contact force, unless rounding forbids more. A
-    solver may stop earlier where u is off by no more than ``error``, rms over the sites; while contacts still
-    change only if they need not be ``settled``.
+    solver may stop earlier where u is off by no more than ``error``, rms over the sites.
     """
 
     residual: float = TOLERANCE
     error: float = 0.0
-    settled: bool = True
+
+    @property
+    def settled(self) -> bool:
+        """Whether contacts must not change any more: those of published states, and where u may not err."""
+        return self.error == 0 or self.residual <= TOLERANCE
 
 
 PUBLISHED = Accuracy()
