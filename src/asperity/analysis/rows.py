@@ -161,16 +161,14 @@ def _extent(name: str, area: int, sites: int, first: int = 0, cell: float = 0.0,
 
 def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
     si, held = bool(dataset.attrs["si"]), str(dataset.attrs["held"])
-    unit = dataset[held].attrs["units"]
     cell = cell_of(dataset) if si else 0.0
     square = dataset["contact_area"].attrs["units"] if si else "1"
 
     def contact(when: str, area: int) -> Row:
         return _extent(f"contact {when}", area, summary.sites, summary.initial_area, cell, square)
 
-    prescribed = Row(
-        "prescribed", f"{held} {written(float(dataset.attrs[f'held_{held}']), unit, 8)}", brief=True
-    )
+    value = written(float(dataset.attrs[f"held_{held}"]), dataset[held].attrs["units"], 8)
+    prescribed = Row("prescribed", f"{held} {value}", brief=True)
     rows = [prescribed, *_loads(dataset, summary), contact("at t = 0", summary.initial_area)]
     if "mean_contact_pressure" in dataset:
         mean, most = (_value(dataset, name, 0, 4) for name in ("mean_contact_pressure", "largest_pressure"))
@@ -185,17 +183,13 @@ def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
     try:
         rate = growth_rate(dataset["time"].values, dataset["area"].values.astype(np.float64))
     except (InputError, ConvergenceError):  # too few times
-        rate = None
-    if rate is not None:
-        decade = 100 * math.log(10)
-        low, high = (decade * end for end in rate.interval("B"))
-        times = " to ".join(_time(dataset, time) for time in (rate.first, rate.last))
-        bends = "; the curve bends, so that this is a mean" if rate.straight is False else ""
-        note = f", t = {times}{bends}"
-        interval = (low, high) if low < high else None
-        unit = "% of A(0) per decade"
-        rows.append(Row("growth", decade * rate.B, unit, interval, note, digits=3, brief=True))
-    return rows
+        return rows
+    decade, unit = 100 * math.log(10), "% of A(0) per decade"
+    low, high = (decade * end for end in rate.interval("B"))
+    times = " to ".join(_time(dataset, time) for time in (rate.first, rate.last))
+    bends = "; the curve bends, so that this is a mean" if rate.straight is False else ""
+    note, interval = f", t = {times}{bends}", (low, high) if low < high else None
+    return [*rows, Row("growth", decade * rate.B, unit, interval, note, digits=3, brief=True)]
 
 
 def _loads(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:

@@ -308,11 +308,9 @@ def _check_kind(columns: Columns, at: int, quantities: Sequence[str]) -> None:
     """Refuse a chosen column in the unit of something else."""
     wanted = [_OF_VALUES[name].unit for name in quantities]
     if _kind(columns, at) in _KINDS.difference(wanted):
-        about, got = (
-            f"column {columns.table.names[at] or at!r} of {columns.table.name}",
-            columns.unit_text(at),
-        )
-        raise InputError(about, expected=f"a unit of {' or '.join(quantities)}", got=got)
+        about = f"column {columns.table.names[at] or at!r} of {columns.table.name}"
+        expected = f"a unit of {' or '.join(quantities)}"
+        raise InputError(about, expected=expected, got=columns.unit_text(at))
 
 
 def _begins_with_index(table: Table) -> bool:

@@ -18,7 +18,7 @@ from asperity.inference.leastsquares import best_fit, drawn, least, profiles
 from asperity.inference.models import MOST_BRANCHES
 from asperity.inference.priors import Given
 from asperity.inference.problem import Problem
-from asperity.inference.rivals import ACCEPTED, CORRELATED, LEAST_ERROR, Plan, Rival, side_by_side, with_draws
+from asperity.inference.rivals import ACCEPTED, CORRELATED, LEAST_ERROR, Rival, side_by_side, with_draws
 from asperity.inference.sampling import ENSEMBLES, Draws, sample
 from asperity.inference.verdicts import Posterior
 from asperity.progress import Progress
@@ -48,8 +48,8 @@ class Sampling:
 
 
 def conclude(
-    family: Sequence[Plan],
-    others: Sequence[Plan] = (),
+    family: Sequence[Problem],
+    others: Sequence[Problem] = (),
     *,
     priors: Mapping[str, Given] | None = None,
     sampling: Sampling | None = None,
@@ -63,10 +63,9 @@ def conclude(
     Parameters
     ----------
     family
-        Models to choose from by AICc, such as those of one to three relaxation times, all of the same data:
-        their words, number of relaxation times (0 for another creep), and `Problem`. What a model must give
-        is said in `asperity.inference.problem`. With ``Problem(..., informed=False)`` its errors are the
-        shape of the noise, whose size and correlation are measured about the best fit.
+        Models to choose from by AICc, such as those of one to three relaxation times, all of the same data.
+        What a model must give is said in `asperity.inference.problem`. With ``Problem(..., informed=False)``
+        its errors are the shape of the noise, whose size and correlation are measured about the best fit.
     others
         Models for comparison.
     priors

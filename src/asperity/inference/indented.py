@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike
 from asperity.base import checks, units
 from asperity.base.checks import Floats
 from asperity.base.rows import Row
-from asperity.base.words import counted
 from asperity.inference.concluding import Sampling, conclude
 from asperity.inference.found import Inference
 from asperity.inference.indenting import REACH, Indentation, noise
@@ -120,8 +119,7 @@ class IndentedSolid(Inference):
         """Measured and predicted forces of the whole record, N: best fit, and 95 % band."""
         record, (best, *drawn) = self._predicted
         low, high = np.quantile(drawn, (0.025, 0.975), axis=0)
-        names = [name for name, *_ in record.segments]
-        starts = np.array([first for _, first, _ in record.segments])
+        names, starts, _ = zip(*record.segments, strict=True)
         part = np.searchsorted(starts, np.arange(record.time.size), "right")
         table = {"segment": [("before", *names)[at] for at in part]}
         columns = {"time_s": record.time, "depth_m": record.depth, "force_N": record.force}
@@ -225,9 +223,7 @@ def of_record(
     family = []
     for n in [branches] if branches else range(1, MOST_BRANCHES + 1):
         model = _model(str(tip), few, shape, n)
-        problem = Problem(few.time[rows], few.force[rows], error, model, informed=False)
-        family.append((counted(n, "relaxation time"), n, problem))
-
+        family.append(Problem(few.time[rows], few.force[rows], error, model, informed=False))
     with listener(progress) as listening:
         how: Any = {"seed": seed, "quantity": "force", "unit": "N", "listening": listening}
         found = conclude(family, priors=priors, sampling=sampling, **how)
