@@ -236,8 +236,8 @@ def _converted(amount: float, unit: str, target: str) -> float | None:
     registry = _registry()
     try:
         for word in _WORD.findall(unit):
-            for prefix, name, _ in registry.parse_unit_name(word)[:1]:
-                if prefix and name in _WITHOUT_PREFIX:
+            for multiple, name, _ in registry.parse_unit_name(word)[:1]:
+                if multiple and name in _WITHOUT_PREFIX:
                     return None
         return float(registry.Quantity(amount, registry.parse_units(unit)).to(target).magnitude)
     except (pint.PintError, tokenize.TokenError, ArithmeticError, *_MISREAD):

@@ -167,9 +167,7 @@ def draw_states(
     axes: Axes, maps: ContactMaps, states: NDArray[np.int8], side: int = 1, region: Region = _WHOLE
 ) -> None:
     """Color each cell of side x side sites of a region by its state."""
-    palette = np.ones((len(SiteState), 3))
-    for state, color in COLORS.items():
-        palette[state] = to_rgb(color)
+    palette = np.array([to_rgb(COLORS.get(state, "white")) for state in SiteState])
     _draw_cells(axes, maps, palette[states], side, region)
 
 

@@ -13,7 +13,7 @@ from matplotlib.colors import to_rgba
 from numpy.typing import NDArray
 
 from asperity.analysis.bands import rows_of_maps
-from asperity.analysis.maps import SiteState, color_range
+from asperity.analysis.maps import SiteState, color_range, states_since
 from asperity.base.readable import readable
 from asperity.base.words import power
 from asperity.figures import style
@@ -173,11 +173,8 @@ def _draw_touching(axes: Axes, prediction: Prediction, number: int = -1) -> None
     """Color the pixels that touch in a map, by whether they touched at first, and that touched then."""
     touching = _ends(prediction, "in_contact")[[0, number]]
     time = float(_ends(prediction, "field_time")[number])
-    colors = np.zeros((*touching[0].shape, 4))
-    colors[touching[0]] = to_rgba(COLORS[SiteState.LOST])
-    colors[touching[1]] = to_rgba(COLORS[SiteState.NEW])
-    colors[touching[0] & touching[1]] = to_rgba(COLORS[SiteState.KEPT])
-    style.show_map(axes, colors, *_pixel(prediction, prediction.spacing), **_MIXED)
+    palette = np.array([to_rgba(COLORS.get(state, "none")) for state in SiteState])
+    style.show_map(axes, palette[states_since(*touching)], *_pixel(prediction, prediction.spacing), **_MIXED)
     percent = 100 * touching[1].sum() / prediction.dataset.attrs["sites"]
     axes.set_title(f"$t$ = ${power(time)}$ s: {percent:.3g} % of the pixels touch")
 

@@ -238,10 +238,8 @@ def measured_area(source: Path | str | Measurements, nominal: float, *, si: bool
     found = source.in_units(time, "1" if is_part else value, (name, name))
     if is_part:
         if (largest := float(found.value.max())) > 1:
-            expected = "fractions of the nominal area, up to 1"
-            raise InputError(
-                name, expected=expected, got=f"{largest:g}", advice="a header such as area_percent"
-            )
+            expected, advice = "fractions of the nominal area, up to 1", "a header such as area_percent"
+            raise InputError(name, expected=expected, got=f"{largest:g}", advice=advice)
         stderr = None if found.stderr is None else nominal * found.stderr
         found = replace(found, value=nominal * found.value, stderr=stderr, value_unit=value)
     return found

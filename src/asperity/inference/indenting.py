@@ -171,7 +171,8 @@ class Indentation(views.Brief):
         count = np.diff(np.append(begin, self.time.size)).astype(np.float64)
         t, d, F = (np.add.reduceat(values, begin) / count for values in (self.time, self.depth, self.force))
         ends = np.searchsorted(begin, [self.touched, self.held, self.last], "right") - 1
-        return Indentation(t, d, F, self.contact, *ends.tolist(), self.signs, self.baseline), count
+        touched, held, last = ends.tolist()
+        return Indentation(t, d, F, self.contact, touched, held, last, self.signs, self.baseline), count
 
 
 def _check_rows(t: Floats, d: Floats, F: Floats) -> None:
