@@ -32,22 +32,14 @@ _MOST_LEGS = 20
 def contact_rows(contact: Contact, /) -> list[Row]:
     """Rows of one contact."""
     units = units_of(contact) if contact.si else {}
-    rows = [
-        _extent("contact", contact.area, contact.sites),
-        _of("load", contact.load, units.get("force")),
-        _of("separation", contact.separation, units.get("length")),
-    ]
+    dimensions = {"load": "force", "separation": "length"}
     if contact.solid.in_lengths:
-        rows += [
-            _of("contact area", contact.contact_area, units.get("area")),
-            _of("mean pressure", contact.mean_pressure, units.get("pressure")),
-            _of("largest pressure", contact.largest_pressure, units.get("pressure")),
-        ]
+        dimensions |= {"contact_area": "area", "mean_pressure": "pressure", "largest_pressure": "pressure"}
+    rows = [_extent("contact", contact.area, contact.sites)]
+    for name, dimension in dimensions.items():
+        value, unit = getattr(contact, name), units.get(dimension, "1")
+        rows.append(Row(name.replace("_", " "), value, unit, digits=4, brief=True))
     return rows
-
-
-def _of(name: str, value: float, unit: str | None) -> Row:
-    return Row(name, value, unit or "1", digits=4, brief=True)
 
 
 @views.defines(History.rows)

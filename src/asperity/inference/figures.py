@@ -90,9 +90,7 @@ def modulus_figure(found: IndentedSolid) -> style.Drawing:
     unit, factor = in_unit(float(median[0]), "Pa")
     axes.fill_between(time, factor * low, factor * high, color=style.SKY, alpha=0.5, label="95 % band")
     axes.plot(time, factor * median, color=style.BLUE, label="median")
-    axes.set_xscale("log")
-    axes.set_xlabel("time after a load [s]")
-    axes.set_ylabel(f"{found.kind} [{style.spelled(unit)}]")
+    axes.set(xscale="log", xlabel="time after a load [s]", ylabel=f"{found.kind} [{style.spelled(unit)}]")
     style.finish(axes)
     return figure
 
@@ -119,8 +117,7 @@ def _draw_deviations(axes: Axes, inference: Inference) -> None:
     deviation = (inference.value - inference.predicted(inference.time)[1]) / inference.error
     axes.axhline(0, color=style.INK, linewidth=0.8)
     axes.plot(inference.time[shown], deviation[shown], "o", **_DATA)
-    axes.set_xscale("log")
-    axes.set_ylabel("deviation [errors]")
+    axes.set(xscale="log", ylabel="deviation [errors]")
 
 
 @style.drawn
@@ -147,8 +144,7 @@ def parameters_figure(inference: Inference) -> style.Drawing:
         axes.plot(at, np.exp(-deviance / 2), color=style.VERMILION, linewidth=1.3, label="profile likelihood")
         axes.axhline(np.exp(-LIMIT / 2), color=style.VERMILION, linewidth=0.6, linestyle=":")
         unit = f" [{verdict.unit}]" if verdict.unit else ""
-        axes.set_title(f"{name}{unit}\n{verdict.verdict}")
-        axes.set_yticks([])
+        axes.set(title=f"{name}{unit}\n{verdict.verdict}", yticks=[])
         style.finish(axes, legend=False)
     style.legend_below(figure, panels[0], 3)
     for axes in panels[len(shown) :]:
@@ -172,8 +168,7 @@ def corner_figure(inference: Inference) -> style.Drawing:
     for row, (name, values) in enumerate(drawn.items()):
         for column, (other, across) in enumerate(drawn.items()):
             axes = panels[row, column]
-            axes.set_visible(column <= row)
-            axes.set_yticks([])
+            axes.set(visible=column <= row, yticks=[])
             if column == row:
                 axes.hist(values, _BINS, color=style.BLUE, alpha=0.7)
             elif column < row:
