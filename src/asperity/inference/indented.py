@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from asperity.base import checks, units
 from asperity.base.checks import Floats
 from asperity.base.rows import Row
-from asperity.inference.concluding import Sampling, conclude
+from asperity.inference.concluding import conclude
 from asperity.inference.found import Inference
 from asperity.inference.indenting import REACH, Indentation, noise
 from asperity.inference.models import MOST_BRANCHES, Model, Values, branches_of, held, relaxed
@@ -207,7 +207,7 @@ def of_record(
     poisson: float | None = None,
     priors: Mapping[str, Given] | None = None,
     branches: int | None = None,
-    sampling: Sampling | None = None,
+    sampling: Mapping[str, Any] | None = None,
     seed: int = 0,
     progress: Progress | bool | None = None,
 ) -> IndentedSolid:

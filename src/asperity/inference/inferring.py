@@ -18,7 +18,7 @@ from asperity.base.checks import Floats
 from asperity.errors import LARGEST, InputError
 from asperity.fits.curve import Series, refuse_decline
 from asperity.friction import Record, hold_peaks
-from asperity.inference.concluding import Sampling, conclude
+from asperity.inference.concluding import conclude
 from asperity.inference.found import Inference
 from asperity.inference.indented import of_record
 from asperity.inference.indenting import Indentation
@@ -119,11 +119,13 @@ def infer(
     InputError, ConvergenceError
         The priors exclude the data; the ensembles do not agree.
     """
-    many = checks.integer("walkers", walkers, least=50), checks.integer("effective", effective, least=1)
+    many = {"walkers": checks.integer("walkers", walkers, least=50)}
+    many["effective"] = checks.integer("effective", effective, least=1)
     if branches is not None:
         checks.integer("branches", branches, least=1, most=MOST_BRANCHES)
     ranges = checks.instance("priors", {} if priors is None else priors, dict, "{'time_1': (1, 1e6)}")
-    seed, sampling = checks.seed(seed, rng), Sampling(*many, workers, checkpoint) if sample else None
+    seed = checks.seed(seed, rng)
+    sampling = {**many, "workers": workers, "checkpoint": checkpoint} if sample else None
     if sampling:
         libraries()
     if force is not None or isinstance(time, Indentation):
