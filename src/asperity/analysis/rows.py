@@ -134,8 +134,8 @@ def _band(dataset: xr.Dataset, name: str, unit: str, at: int) -> str:
     return f" ({low} to {high})"
 
 
-def _value(dataset: xr.Dataset, name: str, at: int = 0, digits: int = 8) -> str:
-    return written(float(dataset[name][at]), dataset[name].attrs["units"], digits)
+def _first(dataset: xr.Dataset, name: str, digits: int) -> str:
+    return written(float(dataset[name][0]), dataset[name].attrs["units"], digits)
 
 
 def _time(dataset: xr.Dataset, time: float) -> str:
@@ -163,7 +163,7 @@ def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
     prescribed = Row("prescribed", f"{held} {value}", brief=True)
     rows = [prescribed, *_loads(dataset, summary), contact("at t = 0", summary.initial_area)]
     if "mean_contact_pressure" in dataset:
-        mean, most = (_value(dataset, name, 0, 4) for name in ("mean_contact_pressure", "largest_pressure"))
+        mean, most = (_first(dataset, name, 4) for name in ("mean_contact_pressure", "largest_pressure"))
         rows.append(Row("pressure at t = 0", f"{mean} mean over the contacts, {most} at most"))
     rows += yielding_rows(dataset)
     if summary.time.size:
@@ -241,7 +241,7 @@ def _fit(summary: AgingSummary) -> list[Row]:
 def _legs(dataset: xr.Dataset) -> list[Row]:
     table, unit = leg_table(dataset), dataset["load"].attrs["units"]
     begun = _areas(dataset, float(dataset["area"][0]))
-    rows = [Row("contact at t = 0", f"{begun} at load {_value(dataset, 'load', 0, 6)}", brief=True)]
+    rows = [Row("contact at t = 0", f"{begun} at load {_first(dataset, 'load', 6)}", brief=True)]
     rows += yielding_rows(dataset)
     for row in table[:_MOST_LEGS]:
         at = f"t = {_time(dataset, row.begin)}"
@@ -259,11 +259,9 @@ def _legs(dataset: xr.Dataset) -> list[Row]:
     if len(table) > _MOST_LEGS:
         rows.append(Row("", f"and {len(table) - _MOST_LEGS} more legs: see aging.csv"))
     least = int(np.argmin(dataset["load"].values))
-    if dataset["load"][least] < 0:
+    if (load := float(dataset["load"][least])) < 0:
         note = f" at t = {_time(dataset, float(dataset['time'][least]))}, among the recorded times"
-        rows.append(
-            Row("largest tension", -float(dataset["load"][least]), unit, note=note, digits=4, brief=True)
-        )
+        rows.append(Row("largest tension", -load, unit, note=note, digits=4, brief=True))
     return rows
 
 

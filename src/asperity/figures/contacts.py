@@ -81,9 +81,8 @@ def _map_figure(maps: ContactMaps) -> style.Drawing:
     panel = min(_PANEL, (style.PAGE - _BAR) / columns)
     side = side_of_cells(maps, panel * _FILLED * min(1.0, 3.0 * shape[1] / shape[0]))
     heights = [tall, 1.0] * rows if side > 1 else [tall] * rows
-    figure = style.Drawing(
-        figsize=(panel * columns + _BAR, sum(panel * height + 0.4 for height in heights) + 0.9)
-    )
+    size = panel * columns + _BAR, sum(panel * height + 0.4 for height in heights) + 0.9
+    figure = style.Drawing(figsize=size)
     grid = figure.subplots(len(heights), columns, squeeze=False, height_ratios=heights)
     for axes in grid.ravel():
         axes.set_axis_off()
