@@ -84,11 +84,8 @@ def friction_rows(dataset: xr.Dataset) -> list[Row]:
     rows = []
     for leg in leg_table(dataset) if "friction_by_area" in dataset else ():
         since = dataset["time"].values - leg.begin
-        late = (
-            (numbers_of(dataset) == leg.number)
-            & (since >= (0.1 - 1e-9) * (leg.end - leg.begin))
-            & (since > 0)
-        )
+        in_leg, tenth = numbers_of(dataset) == leg.number, (0.1 - 1e-9) * (leg.end - leg.begin)
+        late = in_leg & (since >= tenth) & (since > 0)
         if not leg.leg.rests or np.count_nonzero(late) < 2:
             continue
         ends = np.flatnonzero(late)[[0, -1]]

@@ -269,12 +269,12 @@ def _force(p: Values, record: Indentation, tip: Tip, time: Floats | None = None)
         last = t.size - 1
     if not record.touched and t[0] > 0:  # pressed at time 0
         t = np.append(0.0, t[1:])
-    contact = np.broadcast_to(p.get("contact", np.array(record.contact, dtype=float)), p["modulus"].shape)
-    alike = "contact" not in p  # the depths of all
+    fitted = "contact" in p  # else the depths of all are alike
+    depths = depth - (p["contact"][:, None] if fitted else np.array([[record.contact]], dtype=float))
     parts = []
     for first in range(0, len(times), _AT_ONCE):
         some = slice(first, first + _AT_ONCE)
-        d = depth - contact[some][: 1 if alike else None, None]
+        d = depths[some] if fitted else depths
         parts.append(forces(t, d, every[some], times[some], tip.exponent, last))
     force = tip.factor * p["modulus"][:, None] * np.concatenate(parts)
     if time is None or np.array_equal(time, t):
