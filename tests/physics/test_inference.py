@@ -235,7 +235,7 @@ def test_intervals_by_least_squares_hold_what_they_promise(model, rho):
     for _ in range(curves):
         value = exact * (1 + error * mixed @ random.standard_normal(60))
         problem = Problem(time, value, value, of_name(model, time, value, **how), informed=False)
-        first, _ = concluding._judged(rivals.side_by_side([("it", 0, problem)], []), None)
+        first, _ = concluding._judged(rivals.side_by_side([problem], []), None)
         best, followed = leastsquares.profiles(first.problem, first.at)
         found = verdicts.Posterior(first.problem, best[np.newaxis], best, followed, False).verdicts()
         for name, x in truth.items():
@@ -462,8 +462,7 @@ def test_the_most_relaxation_times_tried_are_remarked_where_more_would_fit_bette
 
     def plan(name, branches):
         made = of_name(name, T, value, branches=branches)
-        words, times = (f"{branches} relaxation times", branches) if name == "relaxation" else (name, 0)
-        return words, times, Problem(T, value, value, made, informed=False)
+        return Problem(T, value, value, made, informed=False)
 
     tried = rivals.side_by_side([plan("relaxation", n) for n in (1, 2, 3)], [plan("power", 1)])
     assert (tried[0].times == 3) == broad

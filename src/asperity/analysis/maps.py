@@ -286,9 +286,7 @@ def _maps_of(
         size, lateral, unit = spacing, "m", "m"
     low, high = color_range(heights)
     unit, factor = readable(unit, high - low)
-    before, now = touching[reference], np.stack(touching)
-    kinds = [SiteState.KEPT, SiteState.NEW, SiteState.LOST]
-    states = np.select([before & now, now, before], kinds, SiteState.FREE).astype(np.int8)
+    states = states_since(touching[reference], np.stack(touching))
     states[:reference][states[:reference] == SiteState.LOST] = SiteState.FREE  # not touched yet
     return ContactMaps(
         heights=heights * factor,
@@ -306,6 +304,12 @@ def _maps_of(
         time_unit="" if spacing is None else "s",
         aspect=1.0 if size is None else float(size[0] / size[-1]),
     )
+
+
+def states_since(before: Mask, now: Mask) -> NDArray[np.int8]:
+    """`SiteState` of each site, from whether it touched before, and touches now."""
+    kinds = [SiteState.KEPT, SiteState.NEW, SiteState.LOST]
+    return np.select([before & now, now, before], kinds, SiteState.FREE).astype(np.int8)
 
 
 def color_range(heights: Field) -> tuple[float, float]:

@@ -130,12 +130,11 @@ def observe(
     brightness, sides, beyond, si = _scene(image, spacing, edges)
     shortest = min(side * n for side, n in zip(sides, brightness.shape, strict=True))
     width = checks.number("blur", _length("blur", blur, si), least=0, most=shortest)
-    side = None
+    pixels = sides
     if pixel is not None:
         most = shortest * (1 + _ROUNDING)
-        side = checks.number("pixel", _length("pixel", pixel, si), above=0, most=most)
+        pixels = (checks.number("pixel", _length("pixel", pixel, si), above=0, most=most),) * len(sides)
     limit = None if threshold is None else checks.number("threshold", threshold)
-    pixels = tuple(site if side is None else side for site in sides)
     seen = brightness
     for axis, (site, length) in enumerate(zip(sides, pixels, strict=True)):
         weights = _weights(brightness.shape[axis], site, length, width / _FWHM, beyond)

@@ -32,22 +32,14 @@ _MOST_LEGS = 20
 def contact_rows(contact: Contact, /) -> list[Row]:
     """Rows of one contact."""
     units = units_of(contact) if contact.si else {}
-    rows = [
-        _extent("contact", contact.area, contact.sites),
-        _of("load", contact.load, units.get("force")),
-        _of("separation", contact.separation, units.get("length")),
-    ]
+    dimensions = {"load": "force", "separation": "length"}
     if contact.solid.in_lengths:
-        rows += [
-            _of("contact area", contact.contact_area, units.get("area")),
-            _of("mean pressure", contact.mean_pressure, units.get("pressure")),
-            _of("largest pressure", contact.largest_pressure, units.get("pressure")),
-        ]
+        dimensions |= {"contact_area": "area", "mean_pressure": "pressure", "largest_pressure": "pressure"}
+    rows = [_extent("contact", contact.area, contact.sites)]
+    for name, dimension in dimensions.items():
+        value, unit = getattr(contact, name), units.get(dimension, "1")
+        rows.append(Row(name.replace("_", " "), value, unit, digits=4, brief=True))
     return rows
-
-
-def _of(name: str, value: float, unit: str | None) -> Row:
-    return Row(name, value, unit or "1", digits=4, brief=True)
 
 
 @views.defines(History.rows)
@@ -92,11 +84,8 @@ def friction_rows(dataset: xr.Dataset) -> list[Row]:
     rows = []
     for leg in leg_table(dataset) if "friction_by_area" in dataset else ():
         since = dataset["time"].values - leg.begin
-        late = (
-            (numbers_of(dataset) == leg.number)
-            & (since >= (0.1 - 1e-9) * (leg.end - leg.begin))
-            & (since > 0)
-        )
+        in_leg, tenth = numbers_of(dataset) == leg.number, (0.1 - 1e-9) * (leg.end - leg.begin)
+        late = in_leg & (since >= tenth) & (since > 0)
         if not leg.leg.rests or np.count_nonzero(late) < 2:
             continue
         ends = np.flatnonzero(late)[[0, -1]]
@@ -142,8 +131,8 @@ def _band(dataset: xr.Dataset, name: str, unit: str, at: int) -> str:
     return f" ({low} to {high})"
 
 
-def _value(dataset: xr.Dataset, name: str, at: int = 0, digits: int = 8) -> str:
-    return written(float(dataset[name][at]), dataset[name].attrs["units"], digits)
+def _first(dataset: xr.Dataset, name: str, digits: int) -> str:
+    return written(float(dataset[name][0]), dataset[name].attrs["units"], digits)
 
 
 def _time(dataset: xr.Dataset, time: float) -> str:
@@ -161,19 +150,17 @@ def _extent(name: str, area: int, sites: int, first: int = 0, cell: float = 0.0,
 
 def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
     si, held = bool(dataset.attrs["si"]), str(dataset.attrs["held"])
-    unit = dataset[held].attrs["units"]
     cell = cell_of(dataset) if si else 0.0
     square = dataset["contact_area"].attrs["units"] if si else "1"
 
     def contact(when: str, area: int) -> Row:
         return _extent(f"contact {when}", area, summary.sites, summary.initial_area, cell, square)
 
-    prescribed = Row(
-        "prescribed", f"{held} {written(float(dataset.attrs[f'held_{held}']), unit, 8)}", brief=True
-    )
+    value = written(float(dataset.attrs[f"held_{held}"]), dataset[held].attrs["units"], 8)
+    prescribed = Row("prescribed", f"{held} {value}", brief=True)
     rows = [prescribed, *_loads(dataset, summary), contact("at t = 0", summary.initial_area)]
     if "mean_contact_pressure" in dataset:
-        mean, most = (_value(dataset, name, 0, 4) for name in ("mean_contact_pressure", "largest_pressure"))
+        mean, most = (_first(dataset, name, 4) for name in ("mean_contact_pressure", "largest_pressure"))
         rows.append(Row("pressure at t = 0", f"{mean} mean over the contacts, {most} at most"))
     rows += yielding_rows(dataset)
     if summary.time.size:
@@ -185,17 +172,13 @@ def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
     try:
         rate = growth_rate(dataset["time"].values, dataset["area"].values.astype(np.float64))
     except (InputError, ConvergenceError):  # too few times
-        rate = None
-    if rate is not None:
-        decade = 100 * math.log(10)
-        low, high = (decade * end for end in rate.interval("B"))
-        times = " to ".join(_time(dataset, time) for time in (rate.first, rate.last))
-        bends = "; the curve bends, so that this is a mean" if rate.straight is False else ""
-        note = f", t = {times}{bends}"
-        interval = (low, high) if low < high else None
-        unit = "% of A(0) per decade"
-        rows.append(Row("growth", decade * rate.B, unit, interval, note, digits=3, brief=True))
-    return rows
+        return rows
+    decade, unit = 100 * math.log(10), "% of A(0) per decade"
+    low, high = (decade * end for end in rate.interval("B"))
+    times = " to ".join(_time(dataset, time) for time in (rate.first, rate.last))
+    bends = "; the curve bends, so that this is a mean" if rate.straight is False else ""
+    note, interval = f", t = {times}{bends}", (low, high) if low < high else None
+    return [*rows, Row("growth", decade * rate.B, unit, interval, note, digits=3, brief=True)]
 
 
 def _loads(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
@@ -255,7 +238,7 @@ def _fit(summary: AgingSummary) -> list[Row]:
 def _legs(dataset: xr.Dataset) -> list[Row]:
     table, unit = leg_table(dataset), dataset["load"].attrs["units"]
     begun = _areas(dataset, float(dataset["area"][0]))
-    rows = [Row("contact at t = 0", f"{begun} at load {_value(dataset, 'load', 0, 6)}", brief=True)]
+    rows = [Row("contact at t = 0", f"{begun} at load {_first(dataset, 'load', 6)}", brief=True)]
     rows += yielding_rows(dataset)
     for row in table[:_MOST_LEGS]:
         at = f"t = {_time(dataset, row.begin)}"
@@ -273,11 +256,9 @@ def _legs(dataset: xr.Dataset) -> list[Row]:
     if len(table) > _MOST_LEGS:
         rows.append(Row("", f"and {len(table) - _MOST_LEGS} more legs: see aging.csv"))
     least = int(np.argmin(dataset["load"].values))
-    if dataset["load"][least] < 0:
+    if (load := float(dataset["load"][least])) < 0:
         note = f" at t = {_time(dataset, float(dataset['time'][least]))}, among the recorded times"
-        rows.append(
-            Row("largest tension", -float(dataset["load"][least]), unit, note=note, digits=4, brief=True)
-        )
+        rows.append(Row("largest tension", -load, unit, note=note, digits=4, brief=True))
     return rows
 
 

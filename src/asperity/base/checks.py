@@ -171,9 +171,9 @@ def positive(name: str, value: object) -> Floats:
     return array
 
 
-def positives(**values: object) -> dict[str, Floats]:
-    """`positive` of each, by name, for `broadcast`."""
-    return {name: positive(name, value) for name, value in values.items()}
+def positives(**values: object) -> list[Floats]:
+    """`positive` of each, broadcast against each other."""
+    return broadcast(**{name: positive(name, value) for name, value in values.items()})
 
 
 def not_negative(name: str, value: object, *, infinity: str = "") -> Floats:

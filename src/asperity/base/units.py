@@ -139,12 +139,9 @@ def check_units(*tables: object, si: bool, dimensions: int = 2, name: str = "uni
             advice = "half_space under Surface(heights, unit='um', pixel_size=..., length_unit='um')"
             raise InputError("units", expected=expected, got=repr(written.written), advice=advice)
         if written.dimensions not in (None, dimensions):
-            why = (
-                "for each metre of the profile's length"
-                if dimensions == 1
-                else "as the surface is no profile"
-            )
-            raise InputError(name, expected=f"a number in {written.other}, {why}", got=repr(written.written))
+            whys = {1: "for each metre of the profile's length", 2: "as the surface is no profile"}
+            expected = f"a number in {written.other}, {whys[dimensions]}"
+            raise InputError(name, expected=expected, got=repr(written.written))
 
 
 def quantity(value: object, unit: str, name: str = "quantity") -> float:
@@ -239,10 +236,9 @@ def _converted(amount: float, unit: str, target: str) -> float | None:
     registry = _registry()
     try:
         for word in _WORD.findall(unit):
-            if any(
-                prefix and name in _WITHOUT_PREFIX for prefix, name, _ in registry.parse_unit_name(word)[:1]
-            ):
-                return None
+            for multiple, name, _ in registry.parse_unit_name(word)[:1]:
+                if multiple and name in _WITHOUT_PREFIX:
+                    return None
         return float(registry.Quantity(amount, registry.parse_units(unit)).to(target).magnitude)
     except (pint.PintError, tokenize.TokenError, ArithmeticError, *_MISREAD):
         return None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from difflib import get_close_matches
 from typing import Any, Self
 
@@ -91,10 +92,8 @@ def finite(value: Any) -> Any:
 def number(word: str) -> object:
     """Read a number; a word that is none stays as it is."""
     for kind in (int, float):
-        try:
+        with suppress(ValueError):
             return kind(word)
-        except ValueError:
-            pass
     return word
 
 

@@ -22,7 +22,7 @@ from asperity.figures.plots import plot_contact, plot_history, plot_surface
 from asperity.figures.prediction import draw_growth
 from asperity.figures.relaxation import draw_moduli
 from asperity.fits import FitResult
-from asperity.fits.rows import rows_of_law
+from asperity.fits.rows import of_parameters
 from asperity.prediction.results import Prediction
 from asperity.relaxation import Fit, PronySeries
 from asperity.results.history import History
@@ -118,7 +118,7 @@ def _draw_relaxation(pairs: tuple[tuple[float, float], ...], axes: Axes) -> None
 
 @html_of.register
 def _(fit: FitResult) -> str:
-    rows = [(row.name.strip(), row.words()) for row in rows_of_law(fit)]
+    rows = [(row.name.strip(), row.words()) for row in of_parameters(fit)]
     return _card(type(fit).__name__, [("points", str(fit.points)), *rows], None)
 
 

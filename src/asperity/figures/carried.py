@@ -94,7 +94,6 @@ def carried_figure(dataset: xr.Dataset) -> style.Drawing:
         style.finish(axes, legend=not many, lines_along="y")
         if many:  # a legend within the panel would hide curves
             style.legend_below(figure, axes, columns=2)
-    style.entitle(
-        figure, "Stiffness, resistance and slip", style.conditions(dataset, f"load {whole} at {begins}")
-    )
+    conditions = style.conditions(dataset, f"load {whole} at {begins}")
+    style.entitle(figure, "Stiffness, resistance and slip", conditions)
     return figure

@@ -81,9 +81,8 @@ def _map_figure(maps: ContactMaps) -> style.Drawing:
     panel = min(_PANEL, (style.PAGE - _BAR) / columns)
     side = side_of_cells(maps, panel * _FILLED * min(1.0, 3.0 * shape[1] / shape[0]))
     heights = [tall, 1.0] * rows if side > 1 else [tall] * rows
-    figure = style.Drawing(
-        figsize=(panel * columns + _BAR, sum(panel * height + 0.4 for height in heights) + 0.9)
-    )
+    size = panel * columns + _BAR, sum(panel * height + 0.4 for height in heights) + 0.9
+    figure = style.Drawing(figsize=size)
     grid = figure.subplots(len(heights), columns, squeeze=False, height_ratios=heights)
     for axes in grid.ravel():
         axes.set_axis_off()
@@ -167,9 +166,7 @@ def draw_states(
     axes: Axes, maps: ContactMaps, states: NDArray[np.int8], side: int = 1, region: Region = _WHOLE
 ) -> None:
     """Color each cell of side x side sites of a region by its state."""
-    palette = np.ones((len(SiteState), 3))
-    for state, color in COLORS.items():
-        palette[state] = to_rgb(color)
+    palette = np.array([to_rgb(COLORS.get(state, "white")) for state in SiteState])
     _draw_cells(axes, maps, palette[states], side, region)
 
 

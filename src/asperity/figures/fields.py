@@ -49,8 +49,7 @@ def patch_figure(dataset: xr.Dataset) -> style.Drawing:
     figure = style.Drawing(figsize=(style.PAGE, 4.6))
     (number, size), (growth, age) = figure.subplots(2, 2, sharex=True)
     style.curve(number, time, dataset["patches"].values, "o-", style.BLUE, "")
-    number.set_ylabel("patches")
-    number.set_ylim(bottom=0)
+    number.set(ylabel="patches", ylim=(0, None))
     sizes = (("largest", style.VERMILION), ("mean", style.BLUE), ("median", style.GRAY))
     for name, color in sizes:
         style.curve(size, time, dataset[f"{name}_patch_size"].values, "o-", color, name)
@@ -128,8 +127,7 @@ def distribution_figure(dataset: xr.Dataset) -> style.Drawing:
         for moment, (values, whole), (color, dash) in zip(moments, samples, _LOOKS, strict=False):
             legend = f"$t$ = ${power(moment.time)}${' s' if si else ''}"
             _draw(axes, factor * values, whole, color=color, linestyle=dash, label=legend)
-        axes.set_xlabel(label)
-        axes.set_ylabel(f"part of the {of_what}\nwith as much or more")
+        axes.set(xlabel=label, ylabel=f"part of the {of_what}\nwith as much or more")
         if "patch" in name and largest:
             axes.loglog()
             style.few_ticks(axes.xaxis)

@@ -147,8 +147,7 @@ def _profiles(axes: Axes, maps: ContactMaps) -> Callable[[int], None]:
         contacts.draw_profile(axes, maps, {number: "elastic surface"})
         for state in (SiteState.KEPT, SiteState.NEW):
             contacts.draw_sites(axes, maps, [state], number, color=contacts.COLORS[state])
-        axes.set_ylim(limits)
-        axes.set_xlabel(contacts.positions(maps)[1])
+        axes.set(ylim=limits, xlabel=contacts.positions(maps)[1])
 
     return show
 

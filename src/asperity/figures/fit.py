@@ -99,8 +99,7 @@ def _draw_residuals(axes: Axes, growth: MeasuredGrowth, rate: GrowthRate | None)
         look: dict[str, Any] = {"markerfacecolor": color if marker == "o" else "none", "markersize": 3.5}
         axes.errorbar(part.x, residual, bars, fmt=marker, color=color, **look, **_BARS)
         reach = max(reach, 1.15 * float(np.max(np.abs(residual) + error, initial=0)))
-    axes.set_ylim(-reach, reach)
-    axes.set_ylabel("data / fit − 1 [%]")
+    axes.set(ylim=(-reach, reach), ylabel="data / fit − 1 [%]")
 
 
 def _number(name: str, value: float, stderr: float, unit: str = "") -> str:

@@ -202,10 +202,8 @@ def _head(axes: Axes, time: TimeAxis, say: Say, per_site: float | None) -> None:
         parts.append(column.row.leg.words(say))
         if per_site is not None and _sinks(table, column.row):
             before, lowest = (per_site * area for area in (column.row.area[0], column.row.lowest_area))
-            parts.append(
-                f"area {before:.5g} →\u00a0{lowest:.5g} at "
-                f"{say('time', float(f'{column.row.lowest_after:.2g}'))}, then grows"
-            )
+            after = say("time", float(f"{column.row.lowest_after:.2g}"))
+            parts.append(f"area {before:.5g} →\u00a0{lowest:.5g} at {after}, then grows")
         if column is columns[-1]:
             parts += [f"then {jump(row, say)}" for row in table[column.row.number + 1 :]]
         room = 72 * (column.right - column.left + GAP) - 6

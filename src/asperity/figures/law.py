@@ -54,8 +54,7 @@ def law_figure(dataset: xr.Dataset) -> style.Drawing:
         last = dataset.sel(direction="loading", time=ages[-1])
         low, high = (last[f"{name}_{end}"].values * scale for end in ("low", "high"))
         style.band(axes, pressure, low, high, colors[ages[-1]], "")
-        axes.set_ylabel(f"{_PANELS[name]}\n[{style.spelled(unit)}]")
-        axes.set_xscale("log")
+        axes.set(xscale="log", ylabel=f"{_PANELS[name]}\n[{style.spelled(unit)}]")
         if name != "approach":
             axes.set_yscale("log")
             style.few_ticks(axes.yaxis)

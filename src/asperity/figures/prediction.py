@@ -13,7 +13,7 @@ from matplotlib.colors import to_rgba
 from numpy.typing import NDArray
 
 from asperity.analysis.bands import rows_of_maps
-from asperity.analysis.maps import SiteState, color_range
+from asperity.analysis.maps import SiteState, color_range, states_since
 from asperity.base.readable import readable
 from asperity.base.words import power
 from asperity.figures import style
@@ -68,12 +68,10 @@ def _(prediction: Prediction) -> dict[str, style.Panel]:
         panels["friction"] = style.Panel(partial(_draw_friction, prediction=prediction), time, 1.6)
     panels["pressure"] = style.Panel(partial(_draw_pressures, prediction=prediction), "", 2.1)
     panels["contacts"] = style.Panel(partial(_draw_touching, prediction=prediction), "")
-    series = {
-        name: style.Panel(partial(draw_series, dataset=prediction.dataset, quantity=name), "")
-        for name in select("series")
-        if name in prediction.dataset
-    }
-    return panels | {name: panel for name, panel in series.items() if name not in panels}
+    for name in select("series"):
+        if name in prediction.dataset and name not in panels:
+            panels[name] = style.Panel(partial(draw_series, dataset=prediction.dataset, quantity=name), "")
+    return panels
 
 
 def _draw_decades(axes: Axes, growth: Growth) -> None:
@@ -97,8 +95,7 @@ def _draw_friction(axes: Axes, prediction: Prediction) -> None:
     assert friction is not None
     style.curve(axes, prediction.time, friction, "o-", style.VERMILION, label, linewidth=1.0)
     style.band(axes, prediction.time, *prediction.band("friction"))
-    axes.set_xscale("log")
-    axes.set_ylabel("static friction $\\mu$")
+    axes.set(xscale="log", ylabel="static friction $\\mu$")
 
 
 def draw_growth(axes: Axes, prediction: Prediction) -> None:
@@ -122,8 +119,7 @@ def draw_growth(axes: Axes, prediction: Prediction) -> None:
             shown = np.where(shown < 1.2 * counted.max(), shown, np.nan)
         if np.isfinite(shown).any():
             axes.plot(prediction.time, shown, "--", color=style.BLUE, linewidth=1.2, label=name)
-    axes.set_xscale("log")
-    axes.set_ylabel(f"real contact area [{unit}]")
+    axes.set(xscale="log", ylabel=f"real contact area [{unit}]")
     style.count_nominal_area(axes, 100.0 / (prediction.nominal_area * square))
 
 
@@ -173,11 +169,8 @@ def _draw_touching(axes: Axes, prediction: Prediction, number: int = -1) -> None
     """Color the pixels that touch in a map, by whether they touched at first, and that touched then."""
     touching = _ends(prediction, "in_contact")[[0, number]]
     time = float(_ends(prediction, "field_time")[number])
-    colors = np.zeros((*touching[0].shape, 4))
-    colors[touching[0]] = to_rgba(COLORS[SiteState.LOST])
-    colors[touching[1]] = to_rgba(COLORS[SiteState.NEW])
-    colors[touching[0] & touching[1]] = to_rgba(COLORS[SiteState.KEPT])
-    style.show_map(axes, colors, *_pixel(prediction, prediction.spacing), **_MIXED)
+    palette = np.array([to_rgba(COLORS.get(state, "none")) for state in SiteState])
+    style.show_map(axes, palette[states_since(*touching)], *_pixel(prediction, prediction.spacing), **_MIXED)
     percent = 100 * touching[1].sum() / prediction.dataset.attrs["sites"]
     axes.set_title(f"$t$ = ${power(time)}$ s: {percent:.3g} % of the pixels touch")
 

@@ -38,10 +38,12 @@ def relaxation_figure(fit: Fit) -> style.Drawing:
 @style.panels_of.register
 def _(fit: Fit) -> dict[str, style.Panel]:
     frequency, time = "angular frequency, 1 / relaxation time [rad/s]", "time, relaxation time [s]"
-    along, kinds = frequency if isinstance(fit.data, Dynamic) else time, ("moduli", "deviations", "branches")
-    draws = zip((draw_moduli, _draw_deviations, _draw_branches), (3.0, 1.0, 1.3), strict=True)
-    panels = (style.Panel(partial(draw, fit=fit), along, tall) for draw, tall in draws)
-    return dict(zip(kinds, panels, strict=True))
+    along = frequency if isinstance(fit.data, Dynamic) else time
+    return {
+        "moduli": style.Panel(partial(draw_moduli, fit=fit), along, 3.0),
+        "deviations": style.Panel(partial(_draw_deviations, fit=fit), along),
+        "branches": style.Panel(partial(_draw_branches, fit=fit), along, 1.3),
+    }
 
 
 def draw_moduli(axes: Axes, fit: Fit) -> None:
@@ -66,11 +68,9 @@ def _draw_deviations(axes: Axes, fit: Fit) -> None:
     x, _ = fit.data.columns
     for i, deviation in enumerate(fit.residuals()):
         axes.plot(x, 100 * deviation, _MARKERS[i], **_look(i))
-    axes.set_xscale("log")
     axes.axhline(0, color=style.INK, linewidth=0.8)
     reach = 1.25 * max(100 * fit.series.error, 1e-3)
-    axes.set_ylim(-reach, reach)
-    axes.set_ylabel("data − fit [%]")
+    axes.set(xscale="log", ylim=(-reach, reach), ylabel="data − fit [%]")
 
 
 def _look(quantity: int) -> dict[str, Any]:
@@ -84,9 +84,8 @@ def _draw_branches(axes: Axes, fit: Fit) -> None:
     at = 1 / branches[:, 1] if isinstance(fit.data, Dynamic) else branches[:, 1]
     axes.vlines(at, 0, 100 * branches[:, 0], color=style.GRAY, linewidth=1.2)
     axes.plot(at, 100 * branches[:, 0], "D", color=style.INK, markersize=4)
-    axes.set_ylim(0, 150 * max(branches[:, 0], default=1.0))
-    axes.set_ylabel("part of the\nmodulus [%]")
-    axes.set_xscale("log")
+    most = 150 * max(branches[:, 0], default=1.0)
+    axes.set(xscale="log", ylim=(0, most), ylabel="part of the\nmodulus [%]")
     text = f"does not relax: {100 * fit.series.permanent:.3g} % of {written(fit.series.modulus, 'Pa', 3)}"
     box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.9, "pad": 1.5}
     axes.text(0.015, 0.93, text, transform=axes.transAxes, va="top", bbox=box)

@@ -61,8 +61,7 @@ def sliding_figure(dataset: xr.Dataset) -> style.Drawing:
     low, high = axes.get_ylim()
     if high - low < _NARROWEST * high:
         axes.set_ylim(0.0, 1.2 * high)
-    axes.set_xlabel(label)
-    axes.set_ylabel("friction coefficient" if name == "friction" else quantity)
+    axes.set(xlabel=label, ylabel="friction coefficient" if name == "friction" else quantity)
     if name == "area":
         style.count_nominal_area(axes, 100.0 / (dataset.attrs["sites"] * per_site))
     style.finish(axes, legend=False)

@@ -45,11 +45,9 @@ def steady_sliding_figure(dataset: xr.Dataset) -> style.Drawing:
     of_all = "friction_coefficient" in dataset
     # On one line it is longer than the panel, and would be cut off in files without a title.
     above.set_ylabel("friction coefficient" if of_all else "friction coefficient,\nhysteresis", ma="center")
-    below.set_ylabel("contact [%]")
-    below.set_xlabel(style.with_unit("sliding speed", unit))
+    below.set(xlabel=style.with_unit("sliding speed", unit), ylabel="contact [%]")
     for axes in (above, below):
-        axes.set_xscale("log")
-        axes.set_ylim(bottom=0)
+        axes.set(xscale="log", ylim=(0, None))
         style.finish(axes, legend=axes is above and of_all)
     area = float(dataset.attrs["nominal_area"])
     pressure = float(dataset.attrs["load"]) / area

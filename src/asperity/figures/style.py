@@ -350,8 +350,7 @@ def band(axes: Axes, x: Field, low: Field, high: Field, color: Any = SKY, label:
 def show_map(axes: Axes, field: Field, pixel: Sequence[float], unit: str, **look: Any) -> AxesImage:
     """Draw a map with axes in a unit, in which the sides of a pixel are given; look as of ``imshow``."""
     rows, columns = field.shape[:2]
-    axes.set_xlabel(with_unit("x", unit))
-    axes.set_ylabel(with_unit("y", unit))
+    axes.set(xlabel=with_unit("x", unit), ylabel=with_unit("y", unit))
     return axes.imshow(field, extent=(0, columns * pixel[1], rows * pixel[0], 0), **{**PIXELS, **look})
 
 

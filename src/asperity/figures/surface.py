@@ -124,9 +124,8 @@ def surface_figure(
 def draw_heights(axes: Axes, view: SurfaceView) -> None:
     """Draw the heights of a profile, or along the middle line of a surface."""
     axes.plot(*view.profile(), color=style.INK, linewidth=0.8)
-    axes.set_xlabel(style.with_unit("position", view.length_unit))
-    axes.set_ylabel(style.with_unit("height", view.unit))
-    axes.margins(x=0)
+    along, height = style.with_unit("position", view.length_unit), style.with_unit("height", view.unit)
+    axes.set(xlabel=along, ylabel=height, xmargin=0)
 
 
 def draw_map(axes: Axes, view: SurfaceView) -> None:

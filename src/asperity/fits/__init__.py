@@ -1,7 +1,6 @@
 """Fits of laws of growth, with uncertainties, to simulated or measured areas."""
 
 from asperity.base.calls import answered as _answered
-from asperity.fits import rows as rows
 from asperity.fits.comparison import Comparison as Comparison
 from asperity.fits.comparison import compare as compare
 from asperity.fits.laws import LogarithmFit as LogarithmFit

@@ -96,10 +96,8 @@ class Curve:
         if area is None:
             area, labels = time, getattr(time, "coords", {})
             if "time" not in labels or getattr(area, "name", "") == "time":
-                expected = "areas beside the times, or one DataArray of areas over time"
-                raise InputError(
-                    "area", expected=expected, got=f"{kind_of(area)} alone", advice="history.area"
-                )
+                expected, alone = "areas beside the times, or one DataArray of areas over time", kind_of(area)
+                raise InputError("area", expected=expected, got=f"{alone} alone", advice="history.area")
             time = labels["time"]
         series = Series.checked(time, area, stderr)
         for name, values in (("time", series.x), ("area", series.y), ("stderr", series.stderr)):

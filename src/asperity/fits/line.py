@@ -55,6 +55,5 @@ def polynomial(
     residual = y - np.polynomial.polynomial.polyval(z, c)
     if stderr is None:
         covariance = covariance * float(residual @ residual) / (x.size - coefficients)
-    return Polynomial(
-        c, covariance, float(center), float(scale), residual, quality(residual, y, stderr, coefficients)
-    )
+    facts = quality(residual, y, stderr, coefficients)
+    return Polynomial(c, covariance, float(center), float(scale), residual, facts)

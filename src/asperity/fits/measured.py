@@ -15,7 +15,9 @@ from numpy.typing import ArrayLike
 
 from asperity.base import checks, views
 from asperity.base.rows import Row
+from asperity.base.words import counted
 from asperity.errors import ConvergenceError, InputError
+from asperity.fits import rows
 from asperity.fits.comparison import Comparison, compared
 from asperity.fits.curve import Curve, Series, refuse_decline
 from asperity.fits.laws import LogarithmFit, SaturationFit, logarithm, saturation
@@ -59,10 +61,17 @@ class MeasuredGrowth(views.Brief, views.Pictured):
     shown: Series
     shown_are_means: bool
 
-    @views.later
     def rows(self, /, unit: str = "") -> list[Row]:
         """Rows of a summary: data, laws with their 95 % intervals, comparison; times have this unit."""
-        raise NotImplementedError
+        zeros = f", {self.initial_points} of them at time 0" if self.initial_points else ""
+        span = f"{self.shown.x[0]:g} to {self.shown.x[-1]:g} {unit}".rstrip()
+        data = Row("data", f"{counted(self.points, 'value')}{zeros}; times {span}")
+        laws = [row for law, fit in self.fits.items() for row in rows.of_law(law, fit, unit)]
+        line = [] if self.rate is None else [*rows.of_line(self.rate, self.initial_from, unit)]
+        # Where the laws are not determined, the straight line is all that the data say.
+        fitted = laws + line if self.initial_from else line + laws
+        preferred = [] if self.comparison is None else rows.of_comparison(self.comparison)
+        return [data, *fitted, *preferred, *(Row("note", note) for note in self.notes)]
 
 
 def measured_growth(

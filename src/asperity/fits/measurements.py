@@ -238,10 +238,8 @@ def measured_area(source: Path | str | Measurements, nominal: float, *, si: bool
     found = source.in_units(time, "1" if is_part else value, (name, name))
     if is_part:
         if (largest := float(found.value.max())) > 1:
-            expected = "fractions of the nominal area, up to 1"
-            raise InputError(
-                name, expected=expected, got=f"{largest:g}", advice="a header such as area_percent"
-            )
+            expected, advice = "fractions of the nominal area, up to 1", "a header such as area_percent"
+            raise InputError(name, expected=expected, got=f"{largest:g}", advice=advice)
         stderr = None if found.stderr is None else nominal * found.stderr
         found = replace(found, value=nominal * found.value, stderr=stderr, value_unit=value)
     return found
@@ -308,11 +306,9 @@ def _check_kind(columns: Columns, at: int, quantities: Sequence[str]) -> None:
     """Refuse a chosen column in the unit of something else."""
     wanted = [_OF_VALUES[name].unit for name in quantities]
     if _kind(columns, at) in _KINDS.difference(wanted):
-        about, got = (
-            f"column {columns.table.names[at] or at!r} of {columns.table.name}",
-            columns.unit_text(at),
-        )
-        raise InputError(about, expected=f"a unit of {' or '.join(quantities)}", got=got)
+        about = f"column {columns.table.names[at] or at!r} of {columns.table.name}"
+        expected = f"a unit of {' or '.join(quantities)}"
+        raise InputError(about, expected=expected, got=columns.unit_text(at))
 
 
 def _begins_with_index(table: Table) -> bool:

@@ -72,17 +72,15 @@ def jackknife(
     if not counts or min(counts) == 0 or len(set(counts)) > 1:
         got = " and ".join(str(array.shape) for array in arrays) or "none"
         raise InputError("samples", expected="arrays with one entry for each run", got=f"shapes {got}")
-    runs = counts[0]
-    value = np.asarray(statistic(*arrays), dtype=np.float64)
+
+    def of(*samples: NDArray[np.generic]) -> Floats:
+        return np.asarray(statistic(*samples), dtype=np.float64)
+
+    runs, value = counts[0], of(*arrays)
     if runs == 1:
         unknown = np.full_like(value, np.nan)[()]
         return Estimate(value[()], unknown, unknown, unknown, runs)
-    without = np.stack(
-        [
-            np.asarray(statistic(*(np.delete(array, run, axis=0) for array in arrays)), dtype=np.float64)
-            for run in range(runs)
-        ]
-    )
+    without = np.stack([of(*(np.delete(array, run, axis=0) for array in arrays)) for run in range(runs)])
     with np.errstate(invalid="ignore"):  # an infinite statistic has no spread: NaN
         stderr = np.sqrt((runs - 1) * np.var(without, axis=0))
     reach = student(runs - 1) * stderr

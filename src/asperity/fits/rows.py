@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from asperity.base import views
 from asperity.base.rows import Row
 from asperity.base.words import counted, uncertain
 from asperity.fits.comparison import Comparison
 from asperity.fits.laws import LogarithmFit, SaturationFit
-from asperity.fits.measured import MeasuredGrowth
 from asperity.fits.rate import GrowthRate
 from asperity.fits.result import FitResult, parameters_of
 
@@ -27,21 +25,8 @@ def determined(value: float, stderr: float) -> bool:
     return stderr < abs(value)
 
 
-@views.defines(MeasuredGrowth.rows)
-def rows_of(growth: MeasuredGrowth, /, unit: str = "") -> list[Row]:
-    """Rows of a growth whose times have this unit."""
-    zeros = f", {growth.initial_points} of them at time 0" if growth.initial_points else ""
-    span = f"{growth.shown.x[0]:g} to {growth.shown.x[-1]:g} {unit}".rstrip()
-    data = Row("data", f"{counted(growth.points, 'value')}{zeros}; times {span}")
-    laws = [row for law, fit in growth.fits.items() for row in _law(law, fit, unit)]
-    line = [] if growth.rate is None else [*_line(growth.rate, growth.initial_from, unit)]
-    # Where the laws are not determined, the straight line is all that the data say.
-    rows = [data, *(laws + line if growth.initial_from else line + laws)]
-    rows += [] if growth.comparison is None else _comparison(growth.comparison)
-    return [*rows, *(Row("note", note) for note in growth.notes)]
-
-
-def _law(law: str, fit: SaturationFit | LogarithmFit, unit: str) -> Iterator[Row]:
+def of_law(law: str, fit: SaturationFit | LogarithmFit, unit: str) -> Iterator[Row]:
+    """Rows of a law fitted to times in this unit."""
     formula, names = _FORMULAS[law]
     yield Row(law, formula)
     if fit.initial_area_stderr == 0:
@@ -54,7 +39,8 @@ def _law(law: str, fit: SaturationFit | LogarithmFit, unit: str) -> Iterator[Row
     yield _goodness(fit)
 
 
-def _line(rate: GrowthRate, initial_from: str, unit: str) -> Iterator[Row]:
+def of_line(rate: GrowthRate, initial_from: str, unit: str) -> Iterator[Row]:
+    """Rows of the straight line in ln t, and where its A(0) is from."""
     source = "measured at time 0" if initial_from == "time 0" else f"from the {initial_from}"
     span = f"{rate.first:g} to {rate.last:g} {unit}".rstrip()
     yield Row("straight line", f"in ln t: {counted(rate.points, 'value')}, {span}")
@@ -85,7 +71,7 @@ def _row(text: str, fit: FitResult, name: str, *, factor: float = 1.0, unit: str
     return Row(f"  {text}", factor * value, unit, interval, error=factor * stderr)
 
 
-def rows_of_law(fit: FitResult) -> list[Row]:
+def of_parameters(fit: FitResult) -> list[Row]:
     """Rows of the parameters of one law and its misfit."""
     return [*(_row(name, fit, name) for name in parameters_of(fit)), _goodness(fit)]
 
@@ -95,7 +81,8 @@ def _goodness(fit: FitResult) -> Row:
     return Row("  misfit", f"{100 * fit.rms_residual:.2g} % rms, R² = {fit.r_squared:.4g}{chi}")
 
 
-def _comparison(comparison: Comparison) -> list[Row]:
+def of_comparison(comparison: Comparison) -> list[Row]:
+    """Rows of which law the data prefer, and of what this rests on."""
     likelihood = comparison.relative_likelihood
     odds = f"{likelihood:.1g}" if likelihood > 1e-6 else "less than 1e-6"
     words = {

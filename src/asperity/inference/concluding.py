@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,11 +17,10 @@ from asperity.inference.leastsquares import best_fit, drawn, least, profiles
 from asperity.inference.models import MOST_BRANCHES
 from asperity.inference.priors import Given
 from asperity.inference.problem import Problem
-from asperity.inference.rivals import ACCEPTED, CORRELATED, LEAST_ERROR, Plan, Rival, side_by_side, with_draws
+from asperity.inference.rivals import ACCEPTED, CORRELATED, LEAST_ERROR, Rival, side_by_side, with_draws
 from asperity.inference.sampling import ENSEMBLES, Draws, sample
 from asperity.inference.verdicts import Posterior
 from asperity.progress import Progress
-from asperity.results import Checkpoint
 
 _MUCH_BETTER = 50.0
 """Gain in chi-squared above which priors are refused."""
@@ -37,22 +35,12 @@ _DRAWS, _FEW = 512, 50
 """Draws along profiles, and number that they are worth below which it is remarked."""
 
 
-@dataclass(frozen=True)
-class Sampling:
-    """How to sample a posterior: walkers in each of four ensembles, effective samples, processes."""
-
-    walkers: int = 1000
-    effective: int = 1000
-    workers: int = 1
-    checkpoint: str | Path | Checkpoint | None = None
-
-
 def conclude(
-    family: Sequence[Plan],
-    others: Sequence[Plan] = (),
+    family: Sequence[Problem],
+    others: Sequence[Problem] = (),
     *,
     priors: Mapping[str, Given] | None = None,
-    sampling: Sampling | None = None,
+    sampling: Mapping[str, Any] | None = None,
     seed: int = 0,
     quantity: str = "area",
     unit: str = "",
@@ -63,16 +51,16 @@ def conclude(
     Parameters
     ----------
     family
-        Models to choose from by AICc, such as those of one to three relaxation times, all of the same data:
-        their words, number of relaxation times (0 for another creep), and `Problem`. What a model must give
-        is said in `asperity.inference.problem`. With ``Problem(..., informed=False)`` its errors are the
-        shape of the noise, whose size and correlation are measured about the best fit.
+        Models to choose from by AICc, such as those of one to three relaxation times, all of the same data.
+        What a model must give is said in `asperity.inference.problem`. With ``Problem(..., informed=False)``
+        its errors are the shape of the noise, whose size and correlation are measured about the best fit.
     others
         Models for comparison.
     priors
         Those of the user by parameter of the chosen model; fits and comparisons have the default ones.
     sampling
-        To sample the posterior; by default profiles and curvature of least squares.
+        To sample the posterior: ``walkers`` and other arguments of `asperity.inference.sampling.sample`; by
+        default profiles and curvature of least squares.
     seed
         Seed of the random numbers.
     quantity, unit
@@ -95,9 +83,9 @@ def conclude(
         z, worth = drawn(first.problem, followed, _DRAWS, seed)
         draws = Draws(z[np.newaxis], math.nan, worth)
     else:
-        count = f"{ENSEMBLES * sampling.walkers:,} walkers"
+        count = f"{ENSEMBLES * sampling['walkers']:,} walkers"
         say(f"sampling {len(followed)} parameters of {first.problem.model.name}, {count}")
-        draws = sample(first.problem, seed=seed, report=say, **vars(sampling))
+        draws = sample(first.problem, seed=seed, report=say, **sampling)
     first = replace(first, at=best, z=draws.flat)
 
     def drawn_of(problem: Problem, at: Floats) -> Floats | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -22,12 +22,12 @@ from asperity.inference.leastsquares import LIMIT
 _COLUMNS = 3
 _BINS = 41
 _PREDICTED = "predicted_N", "predicted_N_low", "predicted_N_high"
+_OF_PARAMETERS = (
+    "Each parameter: its prior (gray), draws of its posterior (blue), and its profile likelihood, which "
+    "falls below the dotted line outside of a 95 % interval. Where the blue fills the gray, the data tell "
+    "nothing."
+)
 _DATA: dict[str, Any] = {"color": style.INK, "markersize": 4, "markerfacecolor": "white"}
-
-
-def curve_figure(inference: Inference) -> style.Drawing:
-    """Draw the data, and the curve to ten times the last; below, the deviations."""
-    return style.figure_of(style.panels_of(inference).values())[0]
 
 
 @style.panels_of.register
@@ -90,9 +90,7 @@ def modulus_figure(found: IndentedSolid) -> style.Drawing:
     unit, factor = in_unit(float(median[0]), "Pa")
     axes.fill_between(time, factor * low, factor * high, color=style.SKY, alpha=0.5, label="95 % band")
     axes.plot(time, factor * median, color=style.BLUE, label="median")
-    axes.set_xscale("log")
-    axes.set_xlabel("time after a load [s]")
-    axes.set_ylabel(f"{found.kind} [{style.spelled(unit)}]")
+    axes.set(xscale="log", xlabel="time after a load [s]", ylabel=f"{found.kind} [{style.spelled(unit)}]")
     style.finish(axes)
     return figure
 
@@ -119,8 +117,7 @@ def _draw_deviations(axes: Axes, inference: Inference) -> None:
     deviation = (inference.value - inference.predicted(inference.time)[1]) / inference.error
     axes.axhline(0, color=style.INK, linewidth=0.8)
     axes.plot(inference.time[shown], deviation[shown], "o", **_DATA)
-    axes.set_xscale("log")
-    axes.set_ylabel("deviation [errors]")
+    axes.set(xscale="log", ylabel="deviation [errors]")
 
 
 @style.drawn
@@ -147,8 +144,7 @@ def parameters_figure(inference: Inference) -> style.Drawing:
         axes.plot(at, np.exp(-deviance / 2), color=style.VERMILION, linewidth=1.3, label="profile likelihood")
         axes.axhline(np.exp(-LIMIT / 2), color=style.VERMILION, linewidth=0.6, linestyle=":")
         unit = f" [{verdict.unit}]" if verdict.unit else ""
-        axes.set_title(f"{name}{unit}\n{verdict.verdict}")
-        axes.set_yticks([])
+        axes.set(title=f"{name}{unit}\n{verdict.verdict}", yticks=[])
         style.finish(axes, legend=False)
     style.legend_below(figure, panels[0], 3)
     for axes in panels[len(shown) :]:
@@ -172,8 +168,7 @@ def corner_figure(inference: Inference) -> style.Drawing:
     for row, (name, values) in enumerate(drawn.items()):
         for column, (other, across) in enumerate(drawn.items()):
             axes = panels[row, column]
-            axes.set_visible(column <= row)
-            axes.set_yticks([])
+            axes.set(visible=column <= row, yticks=[])
             if column == row:
                 axes.hist(values, _BINS, color=style.BLUE, alpha=0.7)
             elif column < row:
@@ -188,22 +183,21 @@ def corner_figure(inference: Inference) -> style.Drawing:
 def inference_pictures(found: Inference) -> dict[str, Picture]:
     """Draw an inference: pictures by the names of their files, without suffix, in order."""
     checks.instance("found", found, Inference, "asperity.infer(time, area, error)")
-    captions = {
-        "curve": "The data, and the curve to ten times the last of them.",
-        "parameters": "Each parameter: its prior (gray), draws of its posterior (blue), and its profile "
-        "likelihood, which falls below the dotted line outside of a 95 % interval. Where the blue fills the "
-        "gray, the data tell nothing.",
-        "corner": "Draws of the posterior: every pair of parameters that the curve contains.",
+    of_data = "The data, and the curve to ten times the last of them."
+    of_record = "The record: measured forces, the fit to approach and hold, the predicted retraction."
+    draws: dict[str, tuple[str, Callable[[], style.Drawing]]] = {
+        "curve": (
+            of_record if isinstance(found, IndentedSolid) else of_data,
+            lambda: style.figure_of(style.panels_of(found).values())[0],
+        )
     }
-    makers: dict[str, Any] = {"curve": curve_figure}
     if isinstance(found, IndentedSolid):
-        captions |= {
-            "curve": "The record: measured forces, the fit to approach and hold, the predicted retraction.",
-            "modulus": "The relaxing modulus, over the times that the record determines.",
-        }
-        makers["modulus"] = modulus_figure
-    makers |= {"parameters": parameters_figure, "corner": corner_figure}
-    return pictures_of({name: (captions[name], partial(make, found)) for name, make in makers.items()})
+        words = "The relaxing modulus, over the times that the record determines."
+        draws["modulus"] = words, partial(modulus_figure, found)
+    draws["parameters"] = _OF_PARAMETERS, partial(parameters_figure, found)
+    words = "Draws of the posterior: every pair of parameters that the curve contains."
+    draws["corner"] = words, partial(corner_figure, found)
+    return pictures_of(draws)
 
 
 def inference_page(

@@ -137,9 +137,8 @@ class Inference(views.Brief, views.Pictured):
         by_verdict: dict[str, list[str]] = {word: [] for word in WORDS}
         for name, verdict in self.verdicts.items():
             as_prior = " (as its prior)" * (not self.model.priors[name].bounded)
-            by_verdict[verdict.verdict].append(
-                verdict.words if verdict.verdict != "not identified" else f"{name}{as_prior}"
-            )
+            words = verdict.words if verdict.verdict != "not identified" else f"{name}{as_prior}"
+            by_verdict[verdict.verdict].append(words)
         return [(word, ", ".join(names)) for word, names in by_verdict.items() if names]
 
     @property

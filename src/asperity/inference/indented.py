@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike
 from asperity.base import checks, units
 from asperity.base.checks import Floats
 from asperity.base.rows import Row
-from asperity.base.words import counted
-from asperity.inference.concluding import Sampling, conclude
+from asperity.inference.concluding import conclude
 from asperity.inference.found import Inference
 from asperity.inference.indenting import REACH, Indentation, noise
 from asperity.inference.models import MOST_BRANCHES, Model, Values, branches_of, held, relaxed
@@ -120,8 +119,7 @@ class IndentedSolid(Inference):
         """Measured and predicted forces of the whole record, N: best fit, and 95 % band."""
         record, (best, *drawn) = self._predicted
         low, high = np.quantile(drawn, (0.025, 0.975), axis=0)
-        names = [name for name, *_ in record.segments]
-        starts = np.array([first for _, first, _ in record.segments])
+        names, starts, _ = zip(*record.segments, strict=True)
         part = np.searchsorted(starts, np.arange(record.time.size), "right")
         table = {"segment": [("before", *names)[at] for at in part]}
         columns = {"time_s": record.time, "depth_m": record.depth, "force_N": record.force}
@@ -209,7 +207,7 @@ def of_record(
     poisson: float | None = None,
     priors: Mapping[str, Given] | None = None,
     branches: int | None = None,
-    sampling: Sampling | None = None,
+    sampling: Mapping[str, Any] | None = None,
     seed: int = 0,
     progress: Progress | bool | None = None,
 ) -> IndentedSolid:
@@ -225,9 +223,7 @@ def of_record(
     family = []
     for n in [branches] if branches else range(1, MOST_BRANCHES + 1):
         model = _model(str(tip), few, shape, n)
-        problem = Problem(few.time[rows], few.force[rows], error, model, informed=False)
-        family.append((counted(n, "relaxation time"), n, problem))
-
+        family.append(Problem(few.time[rows], few.force[rows], error, model, informed=False))
     with listener(progress) as listening:
         how: Any = {"seed": seed, "quantity": "force", "unit": "N", "listening": listening}
         found = conclude(family, priors=priors, sampling=sampling, **how)
@@ -273,12 +269,12 @@ def _force(p: Values, record: Indentation, tip: Tip, time: Floats | None = None)
         last = t.size - 1
     if not record.touched and t[0] > 0:  # pressed at time 0
         t = np.append(0.0, t[1:])
-    contact = np.broadcast_to(p.get("contact", np.array(record.contact, dtype=float)), p["modulus"].shape)
-    alike = "contact" not in p  # the depths of all
+    fitted = "contact" in p  # else the depths of all are alike
+    depths = depth - (p["contact"][:, None] if fitted else np.array([[record.contact]], dtype=float))
     parts = []
     for first in range(0, len(times), _AT_ONCE):
         some = slice(first, first + _AT_ONCE)
-        d = depth - contact[some][: 1 if alike else None, None]
+        d = depths[some] if fitted else depths
         parts.append(forces(t, d, every[some], times[some], tip.exponent, last))
     force = tip.factor * p["modulus"][:, None] * np.concatenate(parts)
     if time is None or np.array_equal(time, t):

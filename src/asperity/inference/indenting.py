@@ -113,15 +113,16 @@ class Indentation(views.Brief):
         at = None if contact in (None, "fit") else float(si.number("contact", contact, "m"))
         rest, presses = _pressing(d, F)
         F, rest = presses * F, presses * rest
-        _check_contact(F, rest)
+        if F.max() - rest <= _NOISE * noise(F):
+            got = f"at most {F.max() - rest:.3g} N, with a noise of {noise(F):.3g} N"
+            raise InputError("force", expected="a contact: forces that rise above their noise", got=got)
         down = _downward(d, F - rest)
         d = down * d - float(si.number("drift", drift, "m/s")) * (t - t[0])
         signs = f"{about} {'grows' if down > 0 else 'falls'} into the body, "
         signs += f"forces {'above' if presses > 0 else 'below'} 0 press"
         touched, held, last = _segments(t, d, F - rest, at)
-        out = np.flatnonzero(
-            d[:touched] < (d[touched] - REACH * (d[last] - d[touched]) if at is None else at)
-        )
+        highest = d[touched] - REACH * (d[last] - d[touched]) if at is None else at
+        out = np.flatnonzero(d[:touched] < highest)
         level = _baseline(t, F, out, last)
         return cls(t, d, F - level, at, touched, held, last, signs, float(level[last]))
 
@@ -164,15 +165,13 @@ class Indentation(views.Brief):
     def thinned(self, most: int) -> tuple[Indentation, Floats]:
         """Means of neighboring rows in each segment, at most so many; and how many rows each is of."""
         edges = sorted({0, self.touched, self.held + 1, self.last + 1, self.time.size})
-        starts = [
-            first + np.arange(0, last - first, -(-(last - first) // most)) for first, last in pairwise(edges)
-        ]
-        begin = np.concatenate(starts)
+        begin = np.concatenate(
+            [np.arange(first, last, -(-(last - first) // most)) for first, last in pairwise(edges)]
+        )
         count = np.diff(np.append(begin, self.time.size)).astype(np.float64)
         t, d, F = (np.add.reduceat(values, begin) / count for values in (self.time, self.depth, self.force))
-        touched, held, last = (
-            int(np.searchsorted(begin, at, "right")) - 1 for at in (self.touched, self.held, self.last)
-        )
+        ends = np.searchsorted(begin, [self.touched, self.held, self.last], "right") - 1
+        touched, held, last = ends.tolist()
         return Indentation(t, d, F, self.contact, touched, held, last, self.signs, self.baseline), count
 
 
@@ -216,12 +215,6 @@ def _turn(d: Floats) -> int:
     gone = gone * np.sign(gone[np.argmax(np.abs(gone) > little)])
     back = np.maximum.accumulate(gone) - gone > little
     return int(np.argmax(back)) if back.any() else d.size - 1
-
-
-def _check_contact(F: Floats, rest: float) -> None:
-    if F.max() - rest <= _NOISE * noise(F):
-        got = f"at most {F.max() - rest:.3g} N, with a noise of {noise(F):.3g} N"
-        raise InputError("force", expected="a contact: forces that rise above their noise", got=got)
 
 
 def _downward(d: Floats, pressed: Floats) -> float:
@@ -347,7 +340,6 @@ def _spring(spring: float | str | None, kind: str) -> float:
     """Spring constant, N/m; `InputError` without one."""
     if spring is None:
         why = "as heights contain the deflection" if kind == "height" else "which makes forces of deflections"
-        raise InputError(
-            "spring", expected=f"a spring constant, {why}", got="none", cure={"spring": "0.05 N/m"}
-        )
+        expected = f"a spring constant, {why}"
+        raise InputError("spring", expected=expected, got="none", cure={"spring": "0.05 N/m"})
     return float(si.number("spring", spring, "N/m", above=0))

@@ -15,18 +15,17 @@ from numpy.typing import ArrayLike
 
 from asperity.base import checks, units
 from asperity.base.checks import Floats
-from asperity.base.words import counted
 from asperity.errors import LARGEST, InputError
 from asperity.fits.curve import Series, refuse_decline
 from asperity.friction import Record, hold_peaks
-from asperity.inference.concluding import Sampling, conclude
+from asperity.inference.concluding import conclude
 from asperity.inference.found import Inference
 from asperity.inference.indented import of_record
 from asperity.inference.indenting import Indentation
 from asperity.inference.models import CREEP, MOST_BRANCHES, OF_BALL, OF_BRANCHES, of_name
 from asperity.inference.priors import Given
 from asperity.inference.problem import Problem
-from asperity.inference.rivals import Plan, drift_in
+from asperity.inference.rivals import drift_in
 from asperity.inference.sampling import libraries
 from asperity.progress import Progress, listener
 from asperity.results import Checkpoint
@@ -120,11 +119,13 @@ def infer(
     InputError, ConvergenceError
         The priors exclude the data; the ensembles do not agree.
     """
-    many = checks.integer("walkers", walkers, least=50), checks.integer("effective", effective, least=1)
+    many = {"walkers": checks.integer("walkers", walkers, least=50)}
+    many["effective"] = checks.integer("effective", effective, least=1)
     if branches is not None:
         checks.integer("branches", branches, least=1, most=MOST_BRANCHES)
     ranges = checks.instance("priors", {} if priors is None else priors, dict, "{'time_1': (1, 1e6)}")
-    seed, sampling = checks.seed(seed, rng), Sampling(*many, workers, checkpoint) if sample else None
+    seed = checks.seed(seed, rng)
+    sampling = {**many, "workers": workers, "checkpoint": checkpoint} if sample else None
     if sampling:
         libraries()
     if force is not None or isinstance(time, Indentation):
@@ -152,13 +153,11 @@ def infer(
     most = MOST_BRANCHES if branches is None and model in OF_BRANCHES else least
     model_of(model, priors=ranges, absolute=absolute, branches=least)  # mistakes in priors first
 
-    def plan(name: object, branches: int, *, chosen: bool) -> Plan:
+    def plan(name: object, branches: int, *, chosen: bool) -> Problem:
         """A model with default priors, for errors and comparisons without those of the user."""
         kept = ranges if chosen and callable(model) else None
         made = model_of(name, branches=branches, priors=kept, absolute=absolute and chosen)
-        problem = Problem(t, v, noise if errors is None else errors, made, informed=errors is not None)
-        words = counted(branches, "relaxation time") if name in OF_BRANCHES else made.name
-        return words, branches * (name in OF_BRANCHES), problem
+        return Problem(t, v, noise if errors is None else errors, made, informed=errors is not None)
 
     family = [plan(model, n, chosen=True) for n in range(least, most + 1)]
     tried = [("relaxation", n) for n in range(1, MOST_BRANCHES + 1)] + [(name, 1) for name in CREEP[1:]]

@@ -144,14 +144,10 @@ def _step(slopes: Floats, gradient: Floats, stuck: NDArray[np.bool_], damping: F
     square = slopes @ slopes.swapaxes(-1, -2)
     scale = np.einsum("mii->mi", square)
     scale = np.maximum(scale, 1e-10 * scale.max(-1, keepdims=True)) + 1e-300
-    root = np.sqrt(scale)
-    scaled = square / (root[:, :, None] * root[:, None, :]) + damping[:, None, None] * np.eye(
-        square.shape[-1]
-    )
+    root, identity = np.sqrt(scale), np.eye(square.shape[-1])
+    scaled = square / (root[:, :, None] * root[:, None, :]) + damping[:, None, None] * identity
     rows = np.where(stuck, 0.0, gradient) / root
-    return np.asarray(
-        -np.linalg.solve(scaled + 1e-14 * np.eye(square.shape[-1]), rows[..., None])[..., 0] / root
-    )
+    return np.asarray(-np.linalg.solve(scaled + 1e-14 * identity, rows[..., None])[..., 0] / root)
 
 
 def best_fit(problem: Problem, starts: Floats | None = None) -> tuple[float, Floats]:
@@ -247,9 +243,8 @@ class _March:
         if at == start:
             step = level * np.sqrt(self.spread[place, place])
         else:
-            step = np.clip(
-                (at - start) * (level / max(root, 1e-9) - 1), 0.02 * (at - start), _GROWTH * (at - start)
-            )
+            gone = at - start
+            step = np.clip(gone * (level / max(root, 1e-9) - 1), 0.02 * gone, _GROWTH * gone)
         return float(side * min(at + step, side * end))
 
     def _between(self, task: tuple[int, int]) -> list[float]:

@@ -35,7 +35,7 @@ from scipy.interpolate import RectBivariateSpline, RegularGridInterpolator
 
 from asperity.base import checks
 from asperity.base.checks import Floats
-from asperity.base.words import closest
+from asperity.base.words import closest, counted
 from asperity.errors import InputError
 from asperity.inference.priors import Given, Prior
 from asperity.relaxation import Creep, fit
@@ -83,6 +83,8 @@ class Model:
         Duration of the ramp of the load, s: the growth is its mean over the ramp.
     scaled
         Whether the size of the curve is the parameter ``scale``.
+    times
+        Number of relaxation times, 0 for another creep.
     """
 
     name: str
@@ -95,6 +97,12 @@ class Model:
     ramp: float = 0.0
     scaled: bool = False
     power: float = 1.0
+    times: int = 0
+
+    @property
+    def words(self) -> str:
+        """The number of relaxation times, or the name of another curve."""
+        return counted(self.times, "relaxation time") if self.times else self.name
 
     def curve(self, time: Floats, p: Values) -> Floats:
         """Observed quantity, shape (m, n)."""
@@ -216,12 +224,13 @@ def _spectrum(first: float, last: float, branches: int) -> dict[str, Prior]:
 def relaxation(first: float, last: float, branches: int) -> Model:
     """A separable half-space with relaxation times."""
     priors = _BODY | _spectrum(first, last, branches)
-    return Model("relaxation", _maxwell, priors, _of_body, _beyond, relaxed, _maxwell_solid)
+    return Model("relaxation", _maxwell, priors, _of_body, _beyond, relaxed, _maxwell_solid, times=branches)
 
 
 def held(first: float, last: float, branches: int) -> Model:
     """Force of a half-space at a held depth, with relaxation times."""
-    return Model("held", relaxed, _spectrum(first, last, branches), excess=_beyond, solid=_maxwell_solid)
+    priors = _spectrum(first, last, branches)
+    return Model("held", relaxed, priors, excess=_beyond, solid=_maxwell_solid, times=branches)
 
 
 def branches_of(p: Values) -> tuple[Floats, Floats]:
@@ -340,15 +349,8 @@ def eyring(first: float, last: float, _: int) -> Model:
         "length": Prior("log_uniform", 1e-9, 1e-3, "m"),
         "modulus": _MODULUS,
     }
-    at = functools.partial
-    return Model(
-        "eyring",
-        at(_eyring, first=first),
-        priors,
-        at(_of_flow, first=first),
-        excess=at(_held_up, last=last),
-        solid=_eyring_solid,
-    )
+    growth, size = (functools.partial(of_time, first=first) for of_time in (_eyring, _of_flow))
+    return Model("eyring", growth, priors, size, functools.partial(_held_up, last=last), solid=_eyring_solid)
 
 
 def _pressure(time: Floats | float, p: Values) -> Floats:
@@ -394,12 +396,10 @@ def _own(function: Callable[..., ArrayLike], priors: Mapping[str, Given] | None)
         inspect.signature(function).bind(np.ones(2), **dict.fromkeys(ranges, 1.0))
     except TypeError as error:
         expected = "one for each parameter of the function, which takes the times first"
-        raise InputError(
-            "priors", expected=expected, got=str(error), advice="priors={'slope': (1e-3, 1)}"
-        ) from None
-    return Model(
-        getattr(function, "__name__", "own"), functools.partial(_own_curve, function=function), ranges
-    )
+        advice = "priors={'slope': (1e-3, 1)}"
+        raise InputError("priors", expected=expected, got=str(error), advice=advice) from None
+    curve = functools.partial(_own_curve, function=function)
+    return Model(getattr(function, "__name__", "own"), curve, ranges)
 
 
 def _own_curve(time: Floats, p: Values, *, function: Callable[..., ArrayLike]) -> Floats:

@@ -53,9 +53,8 @@ class Prior:
         for name, field in zip(KINDS[self.kind], ("first", "second"), strict=True):
             above = _ABOVE.get(name, 0.0 if self.logarithmic else -math.inf)
             unit = "" if name == "factor" else self.unit
-            object.__setattr__(
-                self, field, float(units.number(name, getattr(self, field), unit, above=above))
-            )
+            number = float(units.number(name, getattr(self, field), unit, above=above))
+            object.__setattr__(self, field, number)
         if self.bounded and not self.first < self.second:
             raise InputError("high", expected=f"more than low, {self.first:g}", got=self.second)
 

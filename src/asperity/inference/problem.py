@@ -145,9 +145,8 @@ class Problem:
                 self.model.curve(time, self.values(at.reshape(-1, z.shape[1]))).reshape(*at.shape[:-1], -1)
                 for at in (center + step, center - step, center)
             )
-            return np.asarray(
-                np.nan_to_num((up - down) / (central if size is None else size), posinf=0.0, neginf=0.0)
-            )
+            change = (up - down) / (central if size is None else size)
+            return np.asarray(np.nan_to_num(change, posinf=0.0, neginf=0.0))
 
     def scatter(self, z: Floats) -> tuple[float, float]:
         """Standard error over `error`, and correlation rho of neighbors, about the best fit z.

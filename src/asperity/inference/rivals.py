@@ -22,9 +22,6 @@ from asperity.inference.problem import Problem
 ACCEPTED = -2 * math.log(UNLIKELY)
 """AICc over the least, below which a model is acceptable: it is at least 0.05 times as likely as the best."""
 
-Plan = tuple[str, int, Problem]
-"""A model to try: its words, its number of relaxation times (0 for another creep), and the problem."""
-
 _HELD, _OF = 3, 5
 """Least number of last points that are held out; all points over the held-out ones."""
 
@@ -53,8 +50,6 @@ class Rival(views.Brief):
 
     Attributes
     ----------
-    name, times
-        Its name, and the number of its relaxation times, 0 for another creep.
     aicc, missed
         AICc less the least of all models. Rms misfit, in standard errors, of the last fifth of the points,
         three at least, by a fit to the others; NaN if these are too few.
@@ -64,17 +59,25 @@ class Rival(views.Brief):
         Draws of the posterior, shape (draws, parameters); None for a model that is not acceptable.
     """
 
-    name: str
     aicc: float
     missed: float
     problem: Problem
     at: Floats
     misfit: Floats
-    times: int = 0
     z: Floats | None = None
 
+    @property
+    def name(self) -> str:
+        """Its number of relaxation times, or its name."""
+        return self.problem.model.words
+
+    @property
+    def times(self) -> int:
+        """The number of its relaxation times, 0 for another creep."""
+        return self.problem.model.times
+
     @classmethod
-    def fitted(cls, name: str, times: int, problem: Problem) -> Rival | None:
+    def fitted(cls, problem: Problem) -> Rival | None:
         """Fit a model; None for too few points."""
         n, needed = problem.time.size, problem.rank + (not problem.informed)  # the scatter is a parameter
         if n < needed:
@@ -86,7 +89,7 @@ class Rival(views.Brief):
             early = {column: getattr(problem, column)[:kept] for column in ("time", "value", "error")}
             _, place = best_fit(replace(problem, **early))
             missed = rms(problem.misfit(place[np.newaxis])[0, kept:])
-        return cls(name, math.inf, missed, problem, at, problem.misfit(at[np.newaxis])[0], times)
+        return cls(math.inf, missed, problem, at, problem.misfit(at[np.newaxis])[0])
 
     @functools.cached_property
     def scatter(self) -> tuple[float, float]:
@@ -123,26 +126,23 @@ class Rival(views.Brief):
         return [solid(self.problem.numbers(z)) for z in some]
 
 
-def side_by_side(family: Sequence[Plan], others: Sequence[Plan]) -> list[Rival]:
+def side_by_side(family: Sequence[Problem], others: Sequence[Problem]) -> list[Rival]:
     """Fit a family of models, of which AICc chooses the first, and others for comparison.
 
     Rows whose misfits correlate count less. `InputError` for too few points.
     """
-    for _, _, problem in family:
+    for problem in family:
         if not problem.used:
-            raise InputError(
-                "model", expected="a curve that depends on its parameters", got=problem.model.name
-            )
-    members = [rival for plan in family if (rival := Rival.fitted(*plan)) is not None]
+            expected = "a curve that depends on its parameters"
+            raise InputError("model", expected=expected, got=problem.model.name)
+    members = [*filter(None, map(Rival.fitted, family))]
     if not members:
-        _, _, problem = family[0]
-        scatter = " and the scatter" * (not problem.informed)
-        expected = (
-            f"at least {problem.rank + (not problem.informed)} points, for {problem.rank} parameters{scatter}"
-        )
+        problem = family[0]
+        needed = f"at least {problem.rank + (not problem.informed)} points, for {problem.rank} parameters"
+        expected = needed + " and the scatter" * (not problem.informed)
         advice = "more points, or fewer parameters"
         raise InputError("time", expected=expected, got=problem.time.size, advice=advice)
-    every = [*members, *(rival for plan in others if (rival := Rival.fitted(*plan)) is not None)]
+    every = [*members, *filter(None, map(Rival.fitted, others))]
     closest = min(every, key=lambda rival: rms(rival.misfit))
     rho = min(closest.scatter[1], CORRELATED)
     scores = [rival.score(min(1.0, (1 - rho) / (1 + rho))) for rival in every]

@@ -230,7 +230,8 @@ class Posterior:
                     exponents[" + ".join(members)] = values[members[0]] + values[members[1]]
                 for name, draws in exponents.items():
                     tighter = least / max(_spread(draws), 1e-12)
-                    combinations.append(Combination(name, members, *_middle(draws), tighter))
+                    low, high = np.quantile(draws, ((1 - LEVEL) / 2, (1 + LEVEL) / 2)).tolist()
+                    combinations.append(Combination(name, members, low, high, tighter))
         combinations.sort(key=lambda candidate: (len(candidate.members), -candidate.tighter))
         kept: list[Combination] = []
         for candidate in combinations:
@@ -279,11 +280,6 @@ class Posterior:
                     remaining.pop("load", None)  # it is measured
                 candidates.append(Candidate(name, remaining))
         return tuple(candidates)
-
-
-def _middle(values: Floats) -> tuple[float, float]:
-    low, high = np.quantile(values, ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
-    return float(low), float(high)
 
 
 def distinguishable(*values: float) -> list[str]:

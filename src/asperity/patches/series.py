@@ -50,14 +50,12 @@ def map_series(
     rows: list[dict[str, Any]] = []
     box, before = clustering_box(maps, body), None
     around: dict[str, Any] = {"edges": lattice.edges, "body": body}
-    moments = np.asarray(times, dtype=np.float64)
-    for number, (touching, since) in enumerate(zip(maps, _touching_since(maps), strict=True)):
+    for touching, ages in zip(maps, _ages(maps, times), strict=True):
         shapes = shapes_of(touching, lattice.spacing, lattice.edges)
         row = _sizes(shapes, lattice.dimension)
         row["clustering"] = math.nan if box is None else clustering(touching, box, **around)
         links = linked(before or shapes.patches, shapes.patches)
         row |= {name: getattr(links, name) for name in _EVENTS}
-        ages = moments[number] - moments[since.ravel()[shapes.sites]]
         row["mean_contact_age"] = float(ages.mean()) if ages.size else math.nan
         row["contact_age"] = quantiles(ages)
         rows.append(row)
@@ -77,18 +75,18 @@ def ages_of(maps: Maps, times: Sequence[float]) -> Field:
 
     Shape ``(maps, *lattice)``.
     """
-    ages = np.full(np.shape(maps), math.nan)
+    fields = np.full(np.shape(maps), math.nan)
+    for field, touching, ages in zip(fields, maps, _ages(maps, times), strict=True):
+        field[touching] = ages
+    return fields
+
+
+def _ages(maps: Maps, times: Sequence[float]) -> Iterator[Field]:
+    """For each map, the time for which each of its sites in contact has been so in all maps."""
+    since = np.zeros(np.shape(maps)[1:], dtype=np.int32)  # the number of a map
     moments = np.asarray(times, dtype=np.float64)
-    for number, (touching, since) in enumerate(zip(maps, _touching_since(maps), strict=True)):
-        ages[number][touching] = moments[number] - moments[since[touching]]
-    return ages
-
-
-def _touching_since(maps: Maps) -> Iterator[NDArray[np.int32]]:
-    """For each map, the number of the map since which each site in contact has been so in all."""
-    since = np.zeros(np.shape(maps)[1:], dtype=np.int32)
     for number, touching in enumerate(maps):
-        yield since
+        yield moments[number] - moments[since[touching]]
         np.copyto(since, number + 1, where=~touching)
 
 

@@ -57,13 +57,12 @@ def shapes_of(
     sized = labelled.sizes.astype(np.float64)
     offsets, center, perimeter = [], [], np.zeros(labelled.count)
     # A mirror is no end of a contact, the end of a body is one.
-    beyond: Literal["wrap", "nearest", "constant"] = _BEYOND[edges]
     for axis, (index, step) in enumerate(zip(indices, spacing, strict=True)):
         place = (index + touching.shape[axis] * places[patch, axis]) * float(step)
         mean = _over_patches(numbers, labelled.count, place) / sized
         offsets.append(place - mean[numbers - 1])
         center.append(np.mod(mean, touching.shape[axis] * step))
-        beside = scipy.ndimage.correlate1d(touching.astype(np.int8), [1, 0, 1], axis, mode=beyond)
+        beside = scipy.ndimage.correlate1d(touching.astype(np.int8), [1, 0, 1], axis, mode=_BEYOND[edges])
         free = _over_patches(numbers, labelled.count, 2 - beside.ravel()[sites].astype(np.float64))
         perimeter += free * (math.prod(spacing) / step)
     nowhere = endless[1:]

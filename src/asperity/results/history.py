@@ -68,10 +68,8 @@ class History(views.InNotebooks):
         """Return a variable of the dataset, with its name and unit: ``history["mean_gap"]``."""
         if not isinstance(name, str) or name not in self.dataset.variables:
             near = closest(name, sorted(map(str, self.dataset.variables))) if isinstance(name, str) else None
-            expected = "a variable of the dataset, such as area or load"
-            raise InputError(
-                "name", expected=expected, got=repr(name), advice=near or "print(history.dataset)"
-            )
+            expected, advice = "a variable of the dataset, such as area or load", "print(history.dataset)"
+            raise InputError("name", expected=expected, got=repr(name), advice=near or advice)
         return self.dataset[name]
 
     @property

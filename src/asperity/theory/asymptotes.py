@@ -85,9 +85,8 @@ def late_slope(x1: ArrayLike, viscous: ArrayLike = 0.0, dimension: int = 2) -> F
     growth is a power of time and has no such slope.
     """
     if line_or_plane(dimension) == 1:
-        raise InputError(
-            "dimension", expected="2", got=1, advice="compliance_asymptote: on a line the growth is a power"
-        )
+        advice = "compliance_asymptote: on a line the growth is a power"
+        raise InputError("dimension", expected="2", got=1, advice=advice)
     first, r = broadcast(x1=positive("x1", x1), viscous=mobility_ratio(viscous))
     return np.asarray(site_stiffness(first) * np.where(r > 0, 2 * LATE_SLOPE, LATE_SLOPE))[()]
 

@@ -133,9 +133,8 @@ def persson_area(pressure: ArrayLike, *, modulus: ArrayLike, slope: ArrayLike) -
 def _numbers(**values: ArrayLike) -> list[Floats]:
     """Check numbers, each alone or with its unit, and broadcast them."""
     numbers = {name: either(name, value, _UNITS.get(name, "m")) for name, value in values.items()}
-    return broadcast(
-        **{
-            name: not_negative(name, value) if name in ("load", "pressure") else positive(name, value)
-            for name, value in numbers.items()
-        }
-    )
+    checked = {
+        name: not_negative(name, value) if name in ("load", "pressure") else positive(name, value)
+        for name, value in numbers.items()
+    }
+    return broadcast(**checked)

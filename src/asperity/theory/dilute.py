@@ -28,7 +28,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.base.checks import Floats, broadcast, line_or_plane, positive, positives
+from asperity.base.checks import Floats, line_or_plane, positive, positives
 from asperity.errors import InputError
 from asperity.theory.heights import HeightLaw
 from asperity.theory.indentation import compliance, site_stiffness
@@ -48,7 +48,7 @@ def dilute_area(load_per_site: ArrayLike, compliance: ArrayLike, heights: Height
 
     Trust it while the contacts are apart: see `dilute_horizon`.
     """
-    load, soft = broadcast(**positives(load_per_site=load_per_site, compliance=compliance))
+    load, soft = positives(load_per_site=load_per_site, compliance=compliance)
     return heights.exceedance(heights.separation_for(load * soft))
 
 
@@ -92,7 +92,7 @@ def contacts_at_start(
     It holds while it is small against the number of sites, which is not an argument. The mean over surfaces
     is larger by one contact, because one site touches at no load.
     """
-    force, length, first, lateral = broadcast(**positives(load=load, rms=rms, x1=x1, k0=k0))
+    force, length, first, lateral = positives(load=load, rms=rms, x1=x1, k0=k0)
     return np.asarray(force / (length * lateral * site_stiffness(first, dimension)))[()]
 
 
@@ -102,7 +102,7 @@ def contacts_at_start_paper(load: ArrayLike, rms: ArrayLike, x1: ArrayLike, *, k
     Only for comparison with the paper. It takes k1 for the stiffness of a contact, which makes contacts too
     many by the factor site_stiffness(x1) / x1; `contacts_at_start` does not.
     """
-    force, length, first, lateral = broadcast(**positives(load=load, rms=rms, x1=x1, k0=k0))
+    force, length, first, lateral = positives(load=load, rms=rms, x1=x1, k0=k0)
     return np.asarray(force / (length * lateral * first))[()]
 
 

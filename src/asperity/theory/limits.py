@@ -73,8 +73,7 @@ def flowing_area(time: ArrayLike, *, load: float, area: float, at: float, stress
     -----
     Contacts that do not flow yet bear a part of the load without growing, so B is at most s0/s.
     """
-    checked = positives(time=time, load=load, area=area, at=at, stress=stress)
-    t, force, first, since, scale = broadcast(**checked)
+    t, force, first, since, scale = positives(time=time, load=load, area=area, at=at, stress=stress)
     inverse = 1 / first - scale / force * np.log(t / since)
     return np.divide(1.0, inverse, out=np.full_like(inverse, np.inf), where=inverse > 0)[()]
 

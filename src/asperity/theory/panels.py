@@ -102,9 +102,8 @@ def graded_panels(
             _check_even(law, panels[0])
         if math.log(max(float(panel.lam.max()) for panel in panels[-len(ring) :])) < log_scale + _LOG_REST:
             return [*panels, Panel.of(law, (low,) * dimension)]
-    raise InputError(
-        "dispersion", expected="a function that vanishes at q = 0", got=f"{panels[-1].lam.max():.3g} near it"
-    )
+    expected, got = "a function that vanishes at q = 0", f"{panels[-1].lam.max():.3g} near it"
+    raise InputError("dispersion", expected=expected, got=got)
 
 
 def _axis(start: float, stop: float, farthest: int) -> tuple[Floats, Floats]:
