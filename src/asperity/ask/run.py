@@ -7,7 +7,7 @@ solid. The flags of the command line are made of these models.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Annotated, Any, Literal, cast
@@ -16,7 +16,7 @@ from annotated_types import Ge, Gt, Le, Len
 
 from asperity.ask.carried import Carried as CarriedQuantities
 from asperity.ask.legs import read_legs
-from asperity.ask.question import OwnKeys
+from asperity.ask.question import OwnKeys, Question
 from asperity.ask.section import KINDS, Section, SectionError, arguments_of, keys_of_maker, unknown_key
 from asperity.ask.solid import SOLIDS, SolidSection
 from asperity.ask.strength import ShearStrength
@@ -225,16 +225,16 @@ class RunConfig:
         return self.own.section if self.own else ""
 
     @property
-    def unused(self) -> Mapping[str, Iterable[str]]:
-        """Keys that the question does not use, by section."""
-        return self.own.question.unused if self.own else {"solid": ("draws",)}
+    def question(self) -> type[Question]:
+        """What is asked."""
+        return self.own.question if self.own else Question
 
     @property
     def remarks(self) -> tuple[str, ...]:
         """A remark on keys that were given and are not used, if there are any."""
         idle = [
             f"[{section}] {key}"
-            for section, keys in self.unused.items()
+            for section, keys in self.question.unused.items()
             for part in [getattr(self, section)]
             for key, value in vars(part).items()
             if key in keys and key in part.stated and value is not None
@@ -248,9 +248,9 @@ class RunConfig:
         The branches of a table take its place, unless its spread is used.
         """
         parts: dict[str, Any] = {name: getattr(self, name).anywhere(key) for name, key in FILES.items()}
-        if "solid" in self.unused:
+        if "solid" in self.question.unused:
             parts["solid"] = self.solid.resolved()
-        for name, keys in self.unused.items():
+        for name, keys in self.question.unused.items():
             part = parts.get(name, getattr(self, name))
             parts[name] = part.but(**{key: part.keys[key].default for key in keys if key in part.keys})
         return self.but(**parts)
@@ -319,14 +319,14 @@ class RunConfig:
 
     def _check_refused(self) -> None:
         """Refuse keys that contradict the question."""
-        for (section, key), expected in self.own.question.refused.items() if self.own else ():
+        for (section, key), expected in self.question.refused.items():
             part = getattr(self, section)
             value = getattr(part, key) if key else [described(leg)["kind"] for leg in part]
             if value not in (None, [], "load"):
                 path = (section, key) if key else (section,)
                 advice = "asperity run, which takes the same file"
                 raise InputError(path[-1], expected=expected, got=shown(value), advice=advice, path=path)
-        if self.own and self.own.question.pressed and not any(self.contact.table.values()):
+        if self.question.pressed and not any(self.contact.table.values()):
             raise self.contact.wrong("pressure", expected="a pressure or a load", got="neither")
 
     def _check_loads(self) -> None:

@@ -227,23 +227,19 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     from asperity.app.config.keys import keys_of
     from asperity.ask.laws import OF_LAWS
     from asperity.ask.questions import QUESTIONS
-    from asperity.ask.run import Carried, Output
+    from asperity.ask.run import ORDER
     from asperity.ask.section import KINDS
     from asperity.ask.solid import OF_TABLES, HalfSpace
     from asperity.ask.surface import MeasuredSurface
 
     of_solid = {*OF_LAWS["creep"], *OF_TABLES.values(), "table_modulus"}
     of_solid |= {"young", "poisson", "branches", "creep", "permanent", "hardness"}
-    question = QUESTIONS["prediction"]
-    for section, model, names in (
-        ("surface", MeasuredSurface, MeasuredSurface.keys.keys() - {"path", "unit"}),
-        ("solid", HalfSpace, of_solid),
-        *((section, KINDS[section][""], question.checked().keys()) for section in question.sections),
-        ("carried", Carried, Carried.keys.keys()),
-        ("output", Output, Output.keys.keys() - {"maps_at"}),
-    ):
+    models: dict[str, Any] = {name: KINDS[name].get("", HalfSpace) for name in ORDER}
+    models["surface"] = MeasuredSurface
+    left_out = {"surface": {"path", "unit"}, "solid": HalfSpace.keys.keys() - of_solid}
+    for section, model in models.items():
         for name, key in keys_of(model).items():
-            if name in names:
+            if name not in left_out.get(section, ()) and QUESTIONS["prediction"].uses(section, name):
                 named = "modulus" if name == "table_modulus" else name  # no number of a modulus is asked for
                 yield section, dataclasses.replace(key, name=named)
 

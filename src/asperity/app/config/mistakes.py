@@ -103,7 +103,7 @@ class Door:
         """Section and key with the name of an argument, best one that came as a flag; empty for none."""
         if name in config.parts:
             return (name,)
-        first = (config.asked, *(config.own.question.sections if config.own else ()))
+        first = (config.asked, *config.question.sections)
         homes = [home for home, part in config.parts.items() if name in part.keys]
         homes.sort(key=lambda home: (name not in self.flags.get(home, {}), home not in first))
         return (homes[0], name) if homes else ()

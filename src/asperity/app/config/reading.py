@@ -71,7 +71,7 @@ def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
 
 def to_tables(config: RunConfig) -> dict[str, Any]:
     """Tables of which `RunConfig.read` makes a configuration that asks the same."""
-    tables, unused = config.tables, dict(config.unused)
+    tables, unused = config.tables, dict(config.question.unused)
     if "times" in tables["aging"]:
         unused["aging"] = {"first", "last", "per_decade", *unused.get("aging", ())}
     for name, keys in unused.items():

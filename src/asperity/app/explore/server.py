@@ -42,8 +42,7 @@ from asperity.app.explore.folders import Opened, entries, open_entry
 from asperity.app.explore.jobs import Job, Jobs
 from asperity.app.explore.mistakes import Shown, failed, mistake, mistakes_of
 from asperity.app.explore.scene import Arrays, Cursor, Header, Recording, pack
-from asperity.ask.question import Question
-from asperity.ask.questions import QUESTIONS
+from asperity.ask.questions import QUESTIONS, question_named
 from asperity.ask.run import FILES
 from asperity.base.files import without_links
 from asperity.errors import ConfigError, InputError, brief
@@ -114,7 +113,7 @@ def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
         if table != []
     }
     aging = contents.setdefault("aging", {})
-    unused = QUESTIONS.get(question_of(contents), Question).unused.get("aging", ())
+    unused = question_named(question_of(contents)).unused.get("aging", ())
     if isinstance(aging, dict) and "times" not in aging and "per_decade" not in unused:
         aging.setdefault("per_decade", PER_DECADE)
     shown: Shown = {}

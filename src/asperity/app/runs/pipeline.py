@@ -283,7 +283,7 @@ def completed(config: RunConfig, solid: Solid, rough: Surface) -> tuple[RunConfi
     assumed = (config.solid.assumed,) if config.solid.assumed else ()
     remarks = (*remarks_on_bodies(rough, solid), *_odd_numbers(config, solid.modulus, rough), *assumed)
     contact = config.contact
-    if not contact.table and "contact" not in config.unused:
+    if not contact.table and "contact" not in config.question.unused:
         contact, said = _usual_contact(config, solid, rough)
         remarks += (said,)
     if rough.has_lengths and not solid.in_lengths:
