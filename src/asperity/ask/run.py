@@ -17,7 +17,16 @@ from annotated_types import Ge, Gt, Le, Len
 from asperity.ask.carried import Carried as CarriedQuantities
 from asperity.ask.legs import read_legs
 from asperity.ask.question import OwnKeys, Question
-from asperity.ask.section import KINDS, Section, SectionError, arguments_of, keys_of_maker, unknown_key
+from asperity.ask.section import (
+    KINDS,
+    Section,
+    SectionError,
+    arguments_of,
+    home_of,
+    keys_of_maker,
+    kind_in,
+    unknown_key,
+)
 from asperity.ask.solid import SOLIDS, SolidSection
 from asperity.ask.strength import ShearStrength
 from asperity.ask.surface import SURFACES, SurfaceSection
@@ -397,9 +406,8 @@ def _part(name: str, table: Any, *, advised: bool) -> Any:
         raise _outside(name, table, advised=advised)
     if "" in kinds:
         return kinds[""](**table)
-    kind = table.get("kind", next(iter(kinds)))
     try:
-        chosen = kinds[choice("kind", kind, tuple(kinds))]
+        chosen = kinds[choice("kind", kind_in(name, table), tuple(kinds))]
     except InputError as error:
         raise error.about("kind", name, "kind") from None
     return chosen(**{key: value for key, value in table.items() if key != "kind"})
@@ -411,7 +419,5 @@ def _outside(name: str, content: object, *, advised: bool) -> InputError:
         return InputError(name, expected=f"a section [{name}]", got=shown(content), path=(name,))
     if isinstance(content, dict):
         return unknown_key(name, KINDS if advised else (), (name,), said="no such section")
-    homes = (one for one, kinds in KINDS.items() for each in kinds.values() if name in each.keys)
-    home = next(homes, "")
-    below = f"; it belongs below [{home}]" if home else ""
+    below = f"; it belongs below [{home}]" if (home := home_of(name)) else ""
     return InputError(name, said=f"stands outside any section{below}")

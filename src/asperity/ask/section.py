@@ -167,6 +167,18 @@ KINDS: dict[str, dict[str, type[Section]]] = {}
 """Sections of all kinds, by section and kind ("" where there is one); the first kind is the usual one."""
 
 
+def home_of(key: str) -> str:
+    """The first section that has a key of this name; empty for none."""
+    homes = (name for name, kinds in KINDS.items() if any(key in kind.keys for kind in kinds.values()))
+    return next(homes, "")
+
+
+def kind_in(section: str, table: Mapping[str, Any]) -> Any:
+    """The kind that a table of a section states; of a surface with a path a file, else the usual one."""
+    usual = "file" if section == "surface" and "path" in table else next(iter(KINDS[section]))
+    return table.get("kind", usual)
+
+
 def _again(section: str, kind: str, values: dict[str, Any], stated: frozenset[str]) -> Section:
     copy = object.__new__(KINDS[section][kind])
     copy._set(values, stated)

@@ -266,18 +266,14 @@ class Continuum(SolidSection):
         return "" if self.fit is None else self.fit.assumed
 
     @property
-    def maxwell(self) -> list[tuple[float, float]]:
-        """Shares and relaxation times of all branches."""
-        return cast(list[tuple[float, float]], self._of_table.get("branches", self.branches))
-
-    @property
     def span(self) -> tuple[float, float]:
         """The times of the data; else a tenth of the shortest relaxation time and ten times the longest."""
         if self.of_data and self.of_data[0]:
             return self.of_data
         if self.fit is not None:
             return self.fit.data.span
-        times = [time for _, time in (*self.maxwell, *getattr(self, "base_branches", []))]
+        branches = self._of_table.get("branches", self.branches)
+        times = [time for _, time in (*branches, *getattr(self, "base_branches", []))]
         return (min(times) / _BEYOND, max(times) * _BEYOND) if times else _SPAN
 
     @property

@@ -28,7 +28,7 @@ from asperity.app.config import RunConfig, config_from, read_tables, to_tables
 from asperity.app.config.reading import question_of
 from asperity.ask.questions import question_named
 from asperity.ask.run import FILES, ORDER
-from asperity.ask.section import KINDS
+from asperity.ask.section import KINDS, kind_in
 from asperity.base.calls import remark
 from asperity.base.files import expanded
 from asperity.base.readable import written
@@ -147,7 +147,7 @@ def read_plan(path: str | Path) -> Plan:
     if combine not in ("grid", "zip"):
         problems.append(f"[sweep] combine: expected 'grid' or 'zip', got {combine!r}")
     seeds = _seeds(swept.pop("seeds", None), surface.get("seed", 0), kind, problems)
-    kinds = {"surface": kind, "solid": solid.get("kind", "spring_lattice")}
+    kinds = {"surface": kind, "solid": kind_in("solid", solid)}
     question = question_of(tables)
     unused = question_named(question).unused
     lists = dict(_lists(swept, kinds, question, problems))

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from asperity.ask.run import RunConfig
-from asperity.ask.section import KINDS
+from asperity.ask.section import KINDS, home_of
 from asperity.errors import ConfigError, InputError, Value, brief
 
 Sections = dict[str, dict[str, object]]
@@ -145,7 +145,6 @@ def assigned(flag: str, value: Value) -> str:
 
 def flag_in(section: str, key: str) -> str:
     """The flag of a key of this section, or of another that has it; empty where there is neither."""
-    homes = [section, *KINDS]
-    owners = (one for one in homes if any(key in kind.keys for kind in KINDS.get(one, {}).values()))
-    home = section if section == "protocol" else next(owners, section)
+    is_own = section == "protocol" or any(key in kind.keys for kind in KINDS.get(section, {}).values())
+    home = section if is_own else home_of(key) or section
     return flag_of(home, key) if home else ""

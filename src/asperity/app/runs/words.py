@@ -35,6 +35,12 @@ def read_rows(config: RunConfig) -> list[Row]:
     return [Row("read", source) for source in sources if source]
 
 
+def units_in(dataset: xr.Dataset) -> Units:
+    """Units of dimensions, from those of the quantities in a dataset."""
+    named = {str(name): str(one.attrs.get("units", "")) for name, one in dataset.variables.items()}
+    return units_named(named)
+
+
 def _surface(config: RunConfig, dataset: xr.Dataset) -> str:
     chosen = config.surface.table
     if chosen["kind"] == "file":
@@ -67,9 +73,7 @@ def _word(value: object, between: str) -> str:
 def _solid(config: RunConfig, dataset: xr.Dataset) -> str:
     described = config.solid.table
     kind, parts = described.pop("kind"), []
-    units = units_named(
-        {str(name): str(one.attrs.get("units", "")) for name, one in dataset.variables.items()}
-    )
+    units = units_in(dataset)
     relaxing = {f"{of}relaxing": described.pop(f"{of}branches", []) for of in ("", "base_")}
     for name, value in described.items():
         if isinstance(value, bool):
