@@ -38,6 +38,9 @@ from asperity.errors import SHOWN_PROBLEMS, ConfigError, InputError
 from asperity.results.parameters import IN_A_LEG
 
 Value = float | int | str
+Lists = dict[tuple[str, str], list[Any]]
+"""Swept values, as they are written, by section and name."""
+
 
 _STORE_FORMAT = 4
 
@@ -150,7 +153,7 @@ def read_plan(path: str | Path) -> Plan:
     kinds = {"surface": kind, "solid": kind_in("solid", solid)}
     question = question_of(tables)
     unused = question_named(question).unused
-    lists = dict(_lists(swept, kinds, question, problems))
+    lists: Lists = dict(_lists(swept, kinds, question, problems))
     lengths = {name: len(values) for (_, name), values in lists.items()}
     if combine == "zip" and len(set(lengths.values())) > 1:
         got = ", ".join(f"{name} {length}" for name, length in lengths.items())
@@ -362,12 +365,7 @@ def _seeds(seeds: object, first: Any, kind: str, problems: list[str]) -> tuple[i
 
 
 def _runs(
-    tables: dict[str, Any],
-    lists: dict[tuple[str, str], list[Any]],
-    seeds: tuple[int, ...],
-    path: Path,
-    *,
-    zipped: bool,
+    tables: dict[str, Any], lists: Lists, seeds: tuple[int, ...], path: Path, *, zipped: bool
 ) -> tuple[Run, ...]:
     """Make the runs; check every seed and every point, and name every mistake once."""
     lengths = [range(len(values)) for values in lists.values()]

@@ -123,11 +123,6 @@ class Map:
     facts: Header
     arrays: Arrays
 
-    @property
-    def size(self) -> int:
-        """Bytes of the arrays."""
-        return sum(one.nbytes for one in self.arrays.values())
-
 
 def map_of(
     time: float,
@@ -240,7 +235,7 @@ class Recording:
             sizes = {name: cell * one.facts[name] for name, cell in in_units.items()}
             listed.append({"index": number, **one.facts, **sizes, "side": "after" if after else ""})
             arrays |= {f"{name}.{number}": array for name, array in one.arrays.items()}
-            taken += one.size
+            taken += sum(array.nbytes for array in one.arrays.values())
             if taken > _A_MESSAGE:
                 break
         cursor.rows, cursor.maps = len(self.rows), first + len(listed)
