@@ -188,7 +188,7 @@ def listed(written: Iterable[str]) -> list[str]:
 
 def keys_for(section: str) -> Iterator[tuple[str, Key]]:
     """Yield the name of a section with each of its keys; a key of several kinds lists these kinds."""
-    from asperity.app.config.keys import HISTORY, Key, keys_of, own_keys, sections
+    from asperity.app.config.keys import HISTORY, Key, keys_of, kinds_of, own_keys
     from asperity.ask.questions import QUESTIONS
     from asperity.ask.surface import MeasuredSurface
 
@@ -202,7 +202,7 @@ def keys_for(section: str) -> Iterator[tuple[str, Key]]:
     if section == "preparation":
         yield from (("surface", key) for key in keys_of(MeasuredSurface).values() if key.name != "path")
         return
-    kinds = {"": HISTORY} if section == "protocol" else sections(short=True)[section]
+    kinds = {"": HISTORY} if section == "protocol" else kinds_of(section, short=True)
     if "" in kinds:
         yield from ((section, key) for key in kinds[""].values())
         return
@@ -234,8 +234,7 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
 
     of_solid = {*OF_LAWS["creep"], *OF_TABLES.values(), "table_modulus"}
     of_solid |= {"young", "poisson", "branches", "creep", "permanent", "hardness"}
-    models: dict[str, Any] = {name: KINDS[name].get("", HalfSpace) for name in ORDER}
-    models["surface"] = MeasuredSurface
+    models = {name: KINDS[name].get("", HalfSpace) for name in ORDER} | {"surface": MeasuredSurface}
     left_out = {"surface": {"path", "unit"}, "solid": HalfSpace.keys.keys() - of_solid}
     for section, model in models.items():
         for name, key in keys_of(model).items():

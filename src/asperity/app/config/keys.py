@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 from dataclasses import dataclass
 from typing import Any
 
@@ -60,22 +59,20 @@ def sections(*, short: bool = False) -> dict[str, dict[str, Keys]]:
     The first kind is the usual one. ``"protocol"`` has the kinds of legs. With `short`, without keys that
     are too long for a flag or a field of a form.
     """
-    kinds = {
-        name: {kind: keys_of(one) for kind, one in kinds.items()}  # type: ignore[arg-type]  # classes have a hash
-        for name, kinds in KINDS.items()
-    }
-    kinds["protocol"] = {kind: _keys(keys_of_maker(leg)) for kind, leg in LEGS.items()}
     order = ("surface", "solid", "contact", "aging", "protocol", "friction", "carried", "output")
+    return {section: kinds_of(section, short=short) for section in order}
+
+
+def kinds_of(section: str, *, short: bool = False) -> dict[str, Keys]:
+    """Keys of the kinds of a section, or of legs, by name; see `sections`."""
+    legs = {kind: keys_of_maker(leg) for kind, leg in LEGS.items()}
+    kinds = legs if section == "protocol" else {kind: one.keys for kind, one in KINDS[section].items()}
     return {
-        section: {
-            kind: {name: key for name, key in keys.items() if not (short and key.what == "lists of pairs")}
-            for kind, keys in kinds[section].items()
-        }
-        for section in order
+        kind: {name: key for name, key in _keys(of).items() if not (short and key.what == "lists of pairs")}
+        for kind, of in kinds.items()
     }
 
 
-@functools.cache
 def keys_of(section: type[Section]) -> Keys:
     """Keys of one section."""
     return _keys(section.keys)
