@@ -316,7 +316,7 @@ class RunConfig:
         first = next((time for time in self.aging.times or [self.span[0]] if time > 0), known[0])
         early, late = first < known[0] * (1 - 1e-9), self.end > known[1] * (1 + 1e-9)
         if early or late:
-            of_data = getattr(self.solid, "data_last", None) is not None
+            of_data = self.solid.data_last is not None
             key, origin, word = (
                 ("data_last", "data", "model") if of_data else ("relaxation", "a table", "plateau")
             )

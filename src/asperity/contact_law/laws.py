@@ -59,13 +59,10 @@ OF_LAWS = {
     "approach": ("m", "approach of the rough layer alone, from first touch"),
     "stiffness": ("Pa/m", "normal stiffness per area, instantaneous"),
     "tangential_stiffness": ("Pa/m", "tangential stiffness per area, before anything slips, mean"),
-    **{
-        f"tangential_stiffness_{short}": ("Pa/m", f"tangential stiffness per area {where}")
-        for short, where in {
-            **{axis: f"along {axis}" for axis in "yx"},
-            **{kind: f"in the {kind}est direction" for kind in ("soft", "stiff")},
-        }.items()
-    },
+    "tangential_stiffness_y": ("Pa/m", "tangential stiffness per area along y"),
+    "tangential_stiffness_x": ("Pa/m", "tangential stiffness per area along x"),
+    "tangential_stiffness_soft": ("Pa/m", "tangential stiffness per area in the softest direction"),
+    "tangential_stiffness_stiff": ("Pa/m", "tangential stiffness per area in the stiffest direction"),
     "softest_direction": ("deg", "softest direction of the tangential stiffness, from x towards y"),
     "conductance": ("S/m^2", "electrical conductance per area"),
     "thermal_conductance": ("W/m^2/K", "thermal conductance per area"),

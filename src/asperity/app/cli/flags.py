@@ -86,8 +86,6 @@ def given(
     sections: dict[str, dict[str, object]] = {}
     for name, (section, key) in flags.keys.items() if flags is not None else ():
         if (written := getattr(flags, name)) is not None:
-            if key.what in ("pair", "pairs"):
-                written = _paired(written)
             value = _read(written, key.what)
             if units:
                 check_unit(flag_of(section, key.name), value, *(key.units or (key.unit,)))
@@ -166,7 +164,7 @@ def _read(written: bool | str | list[str], sort: str) -> object:
     """Turn words into numbers, where a key may be one; the check refuses the rest."""
     if isinstance(written, list):
         if sort in ("pair", "pairs"):
-            split = (re.split(r"[\s,]+", word.strip(), maxsplit=1) for word in written)
+            split = (re.split(r"[\s,]+", word.strip(), maxsplit=1) for word in _paired(written))
             pairs = [[number(part) for part in parts] for parts in split]
             return pairs if sort == "pairs" else pairs[-1]
         if sort == "choices":

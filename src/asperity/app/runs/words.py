@@ -30,8 +30,8 @@ def run_rows(config: RunConfig, dataset: xr.Dataset, summary: AgingSummary | Non
 
 def read_rows(config: RunConfig) -> list[Row]:
     """Rows on the columns of tables that were read."""
-    table = getattr(config.solid, "fit", None)
-    sources = "" if table is None else table.data.source, getattr(config.protocol, "read", "")
+    fit = config.solid.fit
+    sources = "" if fit is None else fit.data.source, getattr(config.protocol, "read", "")
     return [Row("read", source) for source in sources if source]
 
 
