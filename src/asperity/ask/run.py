@@ -31,7 +31,7 @@ from asperity.ask.solid import SOLIDS, SolidSection
 from asperity.ask.strength import ShearStrength
 from asperity.ask.surface import SURFACES, SurfaceSection
 from asperity.base.checks import choice, shown
-from asperity.base.files import Format
+from asperity.base.files import Format, expanded, without_links
 from asperity.base.parameters import Quantity
 from asperity.errors import SHOWN_PROBLEMS, InputError, Name, Words
 from asperity.protocols import Leg
@@ -256,12 +256,25 @@ class RunConfig:
 
         The branches of a table take its place, unless its spread is used.
         """
-        parts: dict[str, Any] = {name: getattr(self, name).anywhere(key) for name, key in FILES.items()}
+        places = {name: str(without_links(expanded(file))) for name, file in self.files.items()}
+        config = self.with_files(places)
         if "solid" in self.question.unused:
-            parts["solid"] = self.solid.resolved()
+            config = config.but(solid=config.solid.resolved())
         for name, keys in self.question.unused.items():
-            part = parts.get(name, getattr(self, name))
-            parts[name] = part.but(**{key: part.keys[key].default for key in keys if key in part.keys})
+            part = getattr(config, name)
+            usual = {key: part.keys[key].default for key in keys if key in part.keys}
+            config = config.but(**{name: part.but(**usual)})
+        return config
+
+    @property
+    def files(self) -> dict[str, str]:
+        """The files that it names, by their sections."""
+        named = {section: getattr(getattr(self, section), key, None) for section, key in FILES.items()}
+        return {section: name for section, name in named.items() if name is not None}
+
+    def with_files(self, names: Mapping[str, str]) -> RunConfig:
+        """The same with other names of files, by their sections."""
+        parts = {section: getattr(self, section).but(**{FILES[section]: names[section]}) for section in names}
         return self.but(**parts)
 
     @property

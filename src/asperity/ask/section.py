@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, ClassVar, Self
 
-from asperity.base.files import expanded, without_links
 from asperity.base.parameters import Needs, Parameter, check_needs, parameters_of
 from asperity.base.words import MEANT, closest
 from asperity.errors import SHOWN_PROBLEMS, InputError, Name, Words, named
@@ -110,11 +109,6 @@ class Section:
         copy = object.__new__(type(self))
         copy._set(vars(self) | changes, {*self.stated, *changes})
         return copy
-
-    def anywhere(self, key: str) -> Self:
-        """The same, with an absolute path of the file that a key names, if it does."""
-        path = getattr(self, key, None)
-        return self if path is None else self.but(**{key: str(without_links(expanded(path)))})
 
     @property
     def table(self) -> dict[str, Any]:

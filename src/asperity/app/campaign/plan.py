@@ -431,14 +431,12 @@ def seeded(config: RunConfig, seed: int) -> RunConfig:
 def content_of(config: RunConfig, checksums: dict[str, str]) -> str:
     """Checksums of the files that it reads: the surface, and a table of the solid; found ones are kept."""
     contents = []
-    for section, key in FILES.items():
-        if (name := getattr(config.parts[section], key, None)) is None:
-            continue
+    for section, name in config.files.items():
         if name not in checksums:
             try:
                 checksums[name] = hashlib.sha256(Path(name).read_bytes()).hexdigest()
             except OSError as error:
-                raise ConfigError([f"[{section}] {key}: {name}: {error.strerror}"]) from None
+                raise ConfigError([f"[{section}] {FILES[section]}: {name}: {error.strerror}"]) from None
         contents.append(checksums[name])
     return " ".join(contents)
 
@@ -446,10 +444,9 @@ def content_of(config: RunConfig, checksums: dict[str, str]) -> str:
 def _facts(config: RunConfig, content: str) -> dict[str, Any]:
     facts = to_tables(config)
     facts["output"].pop("figures", None)
-    for section, key in FILES.items():
-        if (name := facts[section].get(key)) is not None:
-            # The suffix decides how the content is read.
-            facts[section][key] = [Path(name).suffix.lower(), content]
+    for section, name in config.files.items():
+        # The suffix decides how the content is read.
+        facts[section][FILES[section]] = [Path(name).suffix.lower(), content]
     facts["version"] = [__version__, _STORE_FORMAT]
     return facts
 
