@@ -186,19 +186,19 @@ def listed(written: Iterable[str]) -> list[str]:
 
 def keys_for(section: str) -> Iterator[tuple[str, Key]]:
     """Yield the name of a section with each of its keys; a key of several kinds lists these kinds."""
-    from asperity.app.config.keys import HISTORY, Key, keys_of, kinds_of, own_keys
+    from asperity.app.config.keys import HISTORY, Key, keys_of, kinds_of
     from asperity.ask.questions import QUESTIONS
+    from asperity.ask.section import keys_of_maker
     from asperity.ask.surface import MeasuredSurface
 
     if section in QUESTIONS:
-        placed = QUESTIONS[section].placed
-        yield from ((placed.get(name, section), key) for name, key in own_keys(section).items())
-    if section == "prediction":
-        yield from _of_a_prediction()
-    if section in QUESTIONS:
+        asked = QUESTIONS[section]
+        own = keys_of(keys_of_maker(asked))
+        yield from ((asked.placed.get(name, section), key) for name, key in own.items())
+        yield from _of_a_prediction() if section == "prediction" else ()
         return
     if section == "preparation":
-        yield from (("surface", key) for key in keys_of(MeasuredSurface).values() if key.name != "path")
+        yield from (("surface", key) for key in keys_of(MeasuredSurface.keys).values() if key.name != "path")
         return
     kinds = {"": HISTORY} if section == "protocol" else kinds_of(section, short=True)
     if "" in kinds:
@@ -235,7 +235,7 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     models = {name: KINDS[name].get("", HalfSpace) for name in ORDER} | {"surface": MeasuredSurface}
     left_out = {"surface": {"path", "unit"}, "solid": HalfSpace.keys.keys() - of_solid}
     for section, model in models.items():
-        for name, key in keys_of(model).items():
+        for name, key in keys_of(model.keys).items():
             if name not in left_out.get(section, ()) and QUESTIONS["prediction"].uses(section, name):
                 named = "modulus" if name == "table_modulus" else name  # no number of a modulus is asked for
                 yield section, dataclasses.replace(key, name=named)

@@ -6,9 +6,8 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
-from asperity.ask.questions import QUESTIONS
 from asperity.ask.run import FILES
-from asperity.ask.section import KINDS, Section, keys_of_maker
+from asperity.ask.section import KINDS, keys_of_maker
 from asperity.ask.section import Keys as Parameters
 from asperity.base.parameters import Parameter
 from asperity.errors import LARGEST
@@ -68,22 +67,13 @@ def kinds_of(section: str, *, short: bool = False) -> dict[str, Keys]:
     legs = {kind: keys_of_maker(leg) for kind, leg in LEGS.items()}
     kinds = legs if section == "protocol" else {kind: one.keys for kind, one in KINDS[section].items()}
     return {
-        kind: {name: key for name, key in _keys(of).items() if not (short and key.what == "lists of pairs")}
+        kind: {name: key for name, key in keys_of(of).items() if not (short and key.what == "lists of pairs")}
         for kind, of in kinds.items()
     }
 
 
-def keys_of(section: type[Section]) -> Keys:
-    """Keys of one section."""
-    return _keys(section.keys)
-
-
-def own_keys(question: str) -> Keys:
-    """Keys of a question that no section has."""
-    return _keys(keys_of_maker(QUESTIONS[question]))
-
-
-def _keys(parameters: Parameters) -> Keys:
+def keys_of(parameters: Parameters) -> Keys:
+    """Keys of parameters, such as those of a section."""
     return {name: _key(name, parameter) for name, parameter in parameters.items()}
 
 
@@ -113,19 +103,15 @@ def _key(name: str, parameter: Parameter) -> Key:
 
 def _sort(name: str, one: Parameter) -> str:
     """Type of one entry."""
-    if one.words:
-        return "choice"
-    if one.pair:
-        return "pair"
-    if float in one.kinds:
-        return "number"
-    if bool in one.kinds:
-        return "switch"
-    if int in one.kinds:
-        return "text or whole" if str in one.kinds else "whole"
-    if str in one.kinds:
-        return "path" if name in FILES.values() else "text"
-    return "legs"
+    if one.words or one.pair:
+        return "choice" if one.words else "pair"
+    sorts = {
+        float: "number",
+        bool: "switch",
+        int: "text or whole" if str in one.kinds else "whole",
+        str: "path" if name in FILES.values() else "text",
+    }
+    return next((sort for kind, sort in sorts.items() if kind in one.kinds), "legs")
 
 
 def _bounds(one: Parameter, sort: str) -> dict[str, float]:
@@ -137,5 +123,5 @@ def _bounds(one: Parameter, sort: str) -> dict[str, float]:
     return bounds
 
 
-HISTORY: Keys = _keys(keys_of_maker(measured))
+HISTORY: Keys = keys_of(keys_of_maker(measured))
 """Keys of a measured history, in place of legs."""

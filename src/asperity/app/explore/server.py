@@ -286,7 +286,7 @@ class Server:
         root = self.places.root
         questions = {
             name: {
-                "keys": {key: asdict(one) for key, one in keys_of(KINDS[name][""]).items()},
+                "keys": {key: asdict(one) for key, one in keys_of(KINDS[name][""].keys).items()},
                 "unused": {section: [*keys] for section, keys in asked.unused.items()},
                 "refused": [".".join(path) for path in asked.refused],
             }
