@@ -64,7 +64,7 @@ class _Data:
     data_last: Annotated[_Moment, Quantity(_OF_BRANCHES.format("last", "later"), "s", swept=False)] = None
 
 
-_FIELDS: Keys = {name: one.as_key for name, one in parameters_of(_Data).items()}
+_FIELDS = keys_of_maker(_Data)
 OF_DATA: Keys = {"relaxation": _FIELDS["relaxation"]} | keys_of_maker(material) | _FIELDS
 """Keys about the data of the branches of a solid, which a relaxation table may give."""
 

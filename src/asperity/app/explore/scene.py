@@ -278,16 +278,14 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
     for number in range(dataset.sizes["time"]):
         recording.add_row({name: values[number] for name, values in series.items()})
     count = dataset.sizes["field_time"] if "in_contact" in dataset else 0
-    legs = dataset["field_leg"].values.tolist() if "field_leg" in dataset.coords else [0] * count
-    placed = on_the_surface(dataset)
+    placed, edges = on_the_surface(dataset), dataset.attrs["edges"]
     for number in _spread(count, most_maps(dataset["heights"].size)):
         fields = placed.isel(field_time=number)
         mask = np.asarray(fields["in_contact"], dtype=bool)
         pressure = pressure_of(fields)
         depth = fields["permanent_indentation"].values if "permanent_indentation" in fields else None
-        edges = dataset.attrs["edges"]
-        time = float(fields["field_time"])
-        recording.maps.append(map_of(time, int(legs[number]), mask, pressure, edges, depth))
+        time, leg = float(fields["field_time"]), int(fields.get("field_leg", 0))
+        recording.maps.append(map_of(time, leg, mask, pressure, edges, depth))
     return recording
 
 
