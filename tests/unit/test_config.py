@@ -208,6 +208,11 @@ def test_flags_override_the_file(tmp_path: Path) -> None:
         assert flagged("aging", times=[word]).aging.times == [0.1, 1.0, 10.0]
 
 
+def test_a_file_without_a_kind_has_no_keys_of_other_kinds(tmp_path: Path) -> None:
+    path = written(tmp_path, "[surface]\npath = 'scan.npy'\nshape = [3, 3]")
+    assert "[surface] shape: not a key of a surface of kind 'file'" in problems_of(path)[0]
+
+
 def test_a_flag_for_another_kind_takes_the_keys_of_the_old_kind_away(tmp_path: Path) -> None:
     path = written(tmp_path, "[surface]\nkind = 'self_affine'\nsize = 64\nhurst = 0.8\nseed = 5")
     config = read_config(path, flags_of("surface", kind="gaussian", shape=["32x16"]))

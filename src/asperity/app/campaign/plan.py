@@ -145,12 +145,12 @@ def read_plan(path: str | Path) -> Plan:
     surface, solid = (
         table if isinstance(table := tables.get(name), dict) else {} for name in ("surface", "solid")
     )
-    kind = surface.get("kind", "file" if "path" in surface or "path" in swept else "gaussian")
+    kind = str(surface.get("kind", "file" if "path" in surface or "path" in swept else "gaussian"))
     combine = swept.pop("combine", "grid")
     if combine not in ("grid", "zip"):
         problems.append(f"[sweep] combine: expected 'grid' or 'zip', got {combine!r}")
     seeds = _seeds(swept.pop("seeds", None), surface.get("seed", 0), kind, problems)
-    kinds = {"surface": kind, "solid": kind_in("solid", solid)}
+    kinds = {"surface": kind, "solid": str(kind_in("solid", solid))}
     question = question_of(tables)
     unused = question_named(question).unused
     lists: Lists = dict(_lists(swept, kinds, question, problems))
