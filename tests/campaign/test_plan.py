@@ -117,6 +117,7 @@ MISTAKES = {
         "[surface]\npath='none.npy'",
         "[contact]\nseparation=1.0\n[sweep]\nload=[1.0]",
         "[sweep]\nseeds = [1, -1]",
+        "[surface]\nkind = [1]\n[sweep]\nload = [1.0]",
         "[sweep]\nseeds = 20241121",
         "[sweep]\nload = [1.0, 2.0]\nk1 = [1.0, 2.0]\nseeds = 25001",
     ),

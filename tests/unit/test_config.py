@@ -208,6 +208,11 @@ def test_flags_override_the_file(tmp_path: Path) -> None:
         assert flagged("aging", times=[word]).aging.times == [0.1, 1.0, 10.0]
 
 
+def test_a_file_without_a_kind_has_no_keys_of_other_kinds(tmp_path: Path) -> None:
+    path = written(tmp_path, "[surface]\npath = 'scan.npy'\nshape = [3, 3]")
+    assert "[surface] shape: not a key of a surface of kind 'file'" in problems_of(path)[0]
+
+
 def test_a_flag_for_another_kind_takes_the_keys_of_the_old_kind_away(tmp_path: Path) -> None:
     path = written(tmp_path, "[surface]\nkind = 'self_affine'\nsize = 64\nhurst = 0.8\nseed = 5")
     config = read_config(path, flags_of("surface", kind="gaussian", shape=["32x16"]))
@@ -351,7 +356,7 @@ def test_a_table_of_relaxation_gives_branches_and_modulus(tmp_path: Path) -> Non
     text = f"{with_a_table(tmp_path, 1e4)}per_decade = 2.0"
     config: Any = configured(tmp_path, text)
     fitted = asp.relaxation.fit(asp.relaxation.read(tmp_path / "pmma.csv"), per_decade=2).series
-    assert config.solid.maxwell == list(fitted.branches)
+    assert config.solid.resolved().branches == list(fitted.branches)
     assert config.solid.build().modulus == pytest.approx(fitted.modulus / 0.75, rel=1e-12)
     resolved = config.solid.resolved()
     assert (resolved.relaxation, resolved.poisson, resolved.known) == (None, [0.5], (0.01, 1e4))
@@ -365,7 +370,7 @@ def test_a_table_of_relaxation_gives_branches_and_modulus(tmp_path: Path) -> Non
             configured(tmp_path, f"{text}\n[aging]\n{late}")
     stiffer: Any = configured(tmp_path, f"{text}\nyoung = 4e9").solid
     assert stiffer.resolved().build().modulus == pytest.approx(4e9 / 0.75)
-    assert stiffer.maxwell == config.solid.maxwell
+    assert stiffer.resolved().branches == config.solid.resolved().branches
 
 
 def test_a_hold_longer_than_its_table_needs_a_plateau(tmp_path: Path) -> None:

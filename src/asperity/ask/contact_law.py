@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
@@ -66,7 +66,7 @@ class Law(Question):
     """
 
     sections, placed = ("aging",), {"times": "aging"}
-    unused: ClassVar[Mapping[str, Iterable[str]]] = {
+    unused: ClassVar[Mapping[str, Collection[str]]] = {
         "solid": ("draws",),
         "contact": Contact.keys,
         "aging": ("first", "last", "per_decade", "hold"),

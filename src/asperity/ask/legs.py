@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from asperity.ask.section import SectionError, keys_of_maker, read_keys
 from asperity.base.checks import choice, shown
 from asperity.errors import InputError
-from asperity.protocols import Leg, measured
+from asperity.protocols import Leg, MeasuredHistory, measured
 from asperity.protocols.legs import KINDS
 
 Place = tuple[str | int, ...]
@@ -21,7 +21,8 @@ def read_legs(tables: object, path: Place = ("protocol",)) -> tuple[Leg, ...]:
     if isinstance(tables, tuple) and all(isinstance(leg, Leg) for leg in tables):
         return tables
     if isinstance(tables, dict) and tables.keys() & keys_of_maker(measured).keys():
-        return _measured(tables, path)
+        history: MeasuredHistory = _made(measured, tables, path)
+        return history
     if not isinstance(tables, list | tuple):
         advice = (
             '[[protocol]] with kind = "hold" and duration = 10.0, or [protocol] with file = "history.csv"'
@@ -34,12 +35,12 @@ def read_legs(tables: object, path: Place = ("protocol",)) -> tuple[Leg, ...]:
     return tuple(legs)
 
 
-def _measured(table: dict[str, Any], path: Place) -> tuple[Leg, ...]:
-    """Legs of the file that a table names."""
-    keys = keys_of_maker(measured)
+def _made(make: Callable[..., Any], table: dict[str, Any], path: Place) -> Any:
+    """What a function makes of a table; `SectionError` with every mistake."""
+    keys = keys_of_maker(make)
     read = read_keys(keys, table, path)
     try:
-        return measured(**{key: read[key] for key in table})
+        return make(**{key: read[key] for key in table})
     except InputError as error:
         raise SectionError([error.about(error.name, *path, *[error.name] * (error.name in keys))]) from None
 
@@ -48,16 +49,13 @@ def _read(table: Any, path: Place, legs: list[Leg]) -> Iterator[InputError]:
     """Append a leg, or yield its mistakes."""
     try:
         kind = choice("kind", table.get("kind") if isinstance(table, dict) else table, tuple(KINDS))
-        keys = keys_of_maker(KINDS[kind])
         values = {key: value for key, value in table.items() if key != "kind"}
-        if _LEGS in keys:
+        if _LEGS in keys_of_maker(KINDS[kind]):
             if not values.get(_LEGS):
                 raise InputError(_LEGS, expected="at least 1 in the list", got=shown(values.get(_LEGS)))
             values[_LEGS] = list(read_legs(values[_LEGS], (*path, _LEGS)))
-        read = read_keys(keys, values, path)
-        legs.append(KINDS[kind](**{key: read[key] for key in values}))
+        legs.append(_made(KINDS[kind], values, path))
     except SectionError as error:
         yield from error.mistakes
     except InputError as error:
-        named = [error.name] * (error.name != "kind" and error.name.isidentifier())
-        yield error.about(error.name, *path, *named)
+        yield error.about(error.name, *path, *[error.name] * (error.name != "kind"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from inspect import signature
 from pathlib import Path
@@ -101,7 +101,7 @@ class Predict(Question):
 
     sections = ("contact", "aging", "friction")
     elsewhere = _ELSEWHERE
-    unused: ClassVar[Mapping[str, Iterable[str]]] = {
+    unused: ClassVar[Mapping[str, Collection[str]]] = {
         "friction": Friction.keys.keys() - {"shear_strength"},
         "output": ("maps_at",),
     }

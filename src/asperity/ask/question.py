@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, ClassVar, ParamSpec, TypeVar
 
 import numpy as np
@@ -52,6 +52,8 @@ def in_decades(given: Sequence[Any] | Floats | float | str, per_decade: int) -> 
 class Question(Checked):
     """A frozen dataclass; fields annotated with a quantity are its own keys, others may be those of sections.
 
+    This class itself stands for a run, which has no keys of its own.
+
     Attributes
     ----------
     sections
@@ -71,7 +73,7 @@ class Question(Checked):
     sections: ClassVar[tuple[str, ...]] = ()
     placed: ClassVar[Mapping[str, str]] = {}
     elsewhere: ClassVar[Mapping[str, str]] = {}
-    unused: ClassVar[Mapping[str, Iterable[str]]] = {}
+    unused: ClassVar[Mapping[str, Collection[str]]] = {"solid": ("draws",)}
     refused: ClassVar[Mapping[tuple[str, str], str]] = {}
     pressed: ClassVar[bool] = False
 
@@ -81,6 +83,11 @@ class Question(Checked):
         keys = {key: one for key, one in keys_of_maker(cls).items() if key not in cls.placed}
         facts = {"section": name, "keys": keys, "question": cls, "__module__": cls.__module__}
         return type(cls.__name__, (OwnKeys,), facts)
+
+    @classmethod
+    def uses(cls, section: str, key: str) -> bool:
+        """Whether it uses a key of a section of the file of a run."""
+        return key not in cls.unused.get(section, ()) and (section, key) not in cls.refused
 
     @classmethod
     @functools.cache

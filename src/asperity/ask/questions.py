@@ -11,4 +11,10 @@ from asperity.ask.sliding import SteadySliding
 QUESTIONS: dict[str, type[Question]] = {"prediction": Predict, "law": Law, "sliding": SteadySliding}
 """Questions by the section of a file that has their own keys, and makes it theirs."""
 
+
+def question_named(name: str) -> type[Question]:
+    """The question of a section; that of a run for an empty name."""
+    return QUESTIONS.get(name, Question)
+
+
 KINDS.update({name: {"": question.section(name)} for name, question in QUESTIONS.items()})

@@ -7,7 +7,7 @@ solid. The flags of the command line are made of these models.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Annotated, Any, Literal, cast
@@ -16,13 +16,22 @@ from annotated_types import Ge, Gt, Le, Len
 
 from asperity.ask.carried import Carried as CarriedQuantities
 from asperity.ask.legs import read_legs
-from asperity.ask.question import OwnKeys
-from asperity.ask.section import KINDS, Section, SectionError, arguments_of, keys_of_maker, unknown_key
+from asperity.ask.question import OwnKeys, Question
+from asperity.ask.section import (
+    KINDS,
+    Section,
+    SectionError,
+    arguments_of,
+    home_of,
+    keys_of_maker,
+    kind_in,
+    unknown_key,
+)
 from asperity.ask.solid import SOLIDS, SolidSection
 from asperity.ask.strength import ShearStrength
 from asperity.ask.surface import SURFACES, SurfaceSection
 from asperity.base.checks import choice, shown
-from asperity.base.files import Format
+from asperity.base.files import Format, expanded, without_links
 from asperity.base.parameters import Quantity
 from asperity.errors import SHOWN_PROBLEMS, InputError, Name, Words
 from asperity.protocols import Leg
@@ -225,16 +234,16 @@ class RunConfig:
         return self.own.section if self.own else ""
 
     @property
-    def unused(self) -> Mapping[str, Iterable[str]]:
-        """Keys that the question does not use, by section."""
-        return self.own.question.unused if self.own else {"solid": ("draws",)}
+    def question(self) -> type[Question]:
+        """What is asked."""
+        return self.own.question if self.own else Question
 
     @property
     def remarks(self) -> tuple[str, ...]:
         """A remark on keys that were given and are not used, if there are any."""
         idle = [
             f"[{section}] {key}"
-            for section, keys in self.unused.items()
+            for section, keys in self.question.unused.items()
             for part in [getattr(self, section)]
             for key, value in vars(part).items()
             if key in keys and key in part.stated and value is not None
@@ -247,12 +256,25 @@ class RunConfig:
 
         The branches of a table take its place, unless its spread is used.
         """
-        parts: dict[str, Any] = {name: getattr(self, name).anywhere(key) for name, key in FILES.items()}
-        if "solid" in self.unused:
-            parts["solid"] = self.solid.resolved()
-        for name, keys in self.unused.items():
-            part = parts.get(name, getattr(self, name))
-            parts[name] = part.but(**{key: part.keys[key].default for key in keys if key in part.keys})
+        places = {name: str(without_links(expanded(file))) for name, file in self.files.items()}
+        config = self.with_files(places)
+        if "solid" in self.question.unused:
+            config = config.but(solid=config.solid.resolved())
+        for name, keys in self.question.unused.items():
+            part = getattr(config, name)
+            usual = {key: part.keys[key].default for key in keys if key in part.keys}
+            config = config.but(**{name: part.but(**usual)})
+        return config
+
+    @property
+    def files(self) -> dict[str, str]:
+        """The files that it names, by their sections."""
+        named = {section: getattr(getattr(self, section), key, None) for section, key in FILES.items()}
+        return {section: name for section, name in named.items() if name is not None}
+
+    def with_files(self, names: Mapping[str, str]) -> RunConfig:
+        """The same with other names of files, by their sections."""
+        parts = {section: getattr(self, section).but(**{FILES[section]: names[section]}) for section in names}
         return self.but(**parts)
 
     @property
@@ -307,7 +329,7 @@ class RunConfig:
         first = next((time for time in self.aging.times or [self.span[0]] if time > 0), known[0])
         early, late = first < known[0] * (1 - 1e-9), self.end > known[1] * (1 + 1e-9)
         if early or late:
-            of_data = getattr(self.solid, "data_last", None) is not None
+            of_data = self.solid.data_last is not None
             key, origin, word = (
                 ("data_last", "data", "model") if of_data else ("relaxation", "a table", "plateau")
             )
@@ -319,14 +341,14 @@ class RunConfig:
 
     def _check_refused(self) -> None:
         """Refuse keys that contradict the question."""
-        for (section, key), expected in self.own.question.refused.items() if self.own else ():
+        for (section, key), expected in self.question.refused.items():
             part = getattr(self, section)
             value = getattr(part, key) if key else [described(leg)["kind"] for leg in part]
             if value not in (None, [], "load"):
                 path = (section, key) if key else (section,)
                 advice = "asperity run, which takes the same file"
                 raise InputError(path[-1], expected=expected, got=shown(value), advice=advice, path=path)
-        if self.own and self.own.question.pressed and not any(self.contact.table.values()):
+        if self.question.pressed and not any(self.contact.table.values()):
             raise self.contact.wrong("pressure", expected="a pressure or a load", got="neither")
 
     def _check_loads(self) -> None:
@@ -397,9 +419,8 @@ def _part(name: str, table: Any, *, advised: bool) -> Any:
         raise _outside(name, table, advised=advised)
     if "" in kinds:
         return kinds[""](**table)
-    kind = table.get("kind", next(iter(kinds)))
     try:
-        chosen = kinds[choice("kind", kind, tuple(kinds))]
+        chosen = kinds[choice("kind", kind_in(name, table), tuple(kinds))]
     except InputError as error:
         raise error.about("kind", name, "kind") from None
     return chosen(**{key: value for key, value in table.items() if key != "kind"})
@@ -411,7 +432,5 @@ def _outside(name: str, content: object, *, advised: bool) -> InputError:
         return InputError(name, expected=f"a section [{name}]", got=shown(content), path=(name,))
     if isinstance(content, dict):
         return unknown_key(name, KINDS if advised else (), (name,), said="no such section")
-    homes = (one for one, kinds in KINDS.items() for each in kinds.values() if name in each.keys)
-    home = next(homes, "")
-    below = f"; it belongs below [{home}]" if home else ""
+    below = f"; it belongs below [{home}]" if (home := home_of(name)) else ""
     return InputError(name, said=f"stands outside any section{below}")

@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, ClassVar, Self
 
-from asperity.base.files import expanded, without_links
 from asperity.base.parameters import Needs, Parameter, check_needs, parameters_of
 from asperity.base.words import MEANT, closest
 from asperity.errors import SHOWN_PROBLEMS, InputError, Name, Words, named
@@ -111,11 +110,6 @@ class Section:
         copy._set(vars(self) | changes, {*self.stated, *changes})
         return copy
 
-    def anywhere(self, key: str) -> Self:
-        """The same, with an absolute path of the file that a key names, if it does."""
-        path = getattr(self, key, None)
-        return self if path is None else self.but(**{key: str(without_links(expanded(path)))})
-
     @property
     def table(self) -> dict[str, Any]:
         """Its kind, if it has one, and the values that are not None."""
@@ -165,6 +159,18 @@ class Section:
 
 KINDS: dict[str, dict[str, type[Section]]] = {}
 """Sections of all kinds, by section and kind ("" where there is one); the first kind is the usual one."""
+
+
+def home_of(key: str) -> str:
+    """The first section that has a key of this name; empty for none."""
+    homes = (name for name, kinds in KINDS.items() if any(key in kind.keys for kind in kinds.values()))
+    return next(homes, "")
+
+
+def kind_in(section: str, table: Mapping[str, Any]) -> Any:
+    """The kind that a table of a section states; of a surface with a path a file, else the usual one."""
+    usual = "file" if section == "surface" and "path" in table else next(iter(KINDS[section]))
+    return table.get("kind", usual)
 
 
 def _again(section: str, kind: str, values: dict[str, Any], stated: frozenset[str]) -> Section:

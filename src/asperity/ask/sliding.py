@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -88,7 +88,7 @@ class SteadySliding(Question):
     """
 
     sections, pressed = ("contact",), True
-    unused: ClassVar[Mapping[str, Iterable[str]]] = {
+    unused: ClassVar[Mapping[str, Collection[str]]] = {
         "aging": Aging.keys,
         "carried": CarriedSection.keys,
         "output": ("maps_at", "measured", "pixel", "blur", "threshold"),

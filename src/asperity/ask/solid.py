@@ -64,13 +64,17 @@ class _Data:
     data_last: Annotated[_Moment, Quantity(_OF_BRANCHES.format("last", "later"), "s", swept=False)] = None
 
 
-_FIELDS: Keys = {name: one.as_key for name, one in parameters_of(_Data).items()}
+_FIELDS = keys_of_maker(_Data)
 OF_DATA: Keys = {"relaxation": _FIELDS["relaxation"]} | keys_of_maker(material) | _FIELDS
 """Keys about the data of the branches of a solid, which a relaxation table may give."""
 
 
+_BESIDE = {"extrapolate": ("relaxation", "data_last"), "temperature": ("relaxation", "creep")}
+"""Keys about a table that have a meaning without one, and what gives it."""
+
+
 class SolidSection(Section):
-    """A solid, of one kind or another."""
+    """A solid, of one kind or another; a table may give the branches and the modulus of a continuum."""
 
     section = "solid"
     ways = (
@@ -78,11 +82,20 @@ class SolidSection(Section):
         ({"branches"}, {"relaxation"}, {"flow"}, {"draws"}),
         ({*ACTIVATED}, {"creep_rate", "creep_stress"}),
     )
+    needs = (
+        *((key, ("branches",)) for key in ("draws", "data_first", "data_last")),
+        *((key, _BESIDE.get(key, ("relaxation",))) for key in (*OF_TABLES.values(), "table_modulus")),
+    )
+
+    relaxation: Any = None
+    data_last: Any = None
+    extrapolate: Any = None
+    """Of kinds that have no such keys."""
 
     @property
     def given(self) -> dict[str, Any]:
         """Arguments of `make`, as far as they are given."""
-        return arguments_of(self.make, self) | self.laws
+        return arguments_of(self.make, self) | self.laws | self._of_table
 
     def build(self) -> Solid:
         """Make the solid."""
@@ -112,16 +125,13 @@ class SolidSection(Section):
         for law in KEYS_OF_LAWS:
             self._check_law(law)
         with self.located():
-            check_needs(self, self.needs)
+            check_needs(self, self.needs if "relaxation" in self.keys else ())
             self.build()
 
     @property
     def material(self) -> Material:
         """The material of a prediction."""
         return material(self.build())
-
-    def _check_data(self) -> None:
-        """Refuse keys about data that are not there."""
 
     def _check_law(self, kind: str) -> None:
         """Refuse keys of a law that are not those of one law."""
@@ -140,38 +150,6 @@ class SolidSection(Section):
                 kind, expected=(*options, f" beside {law}"), got=", ".join(sorted(given)) or "none"
             )
 
-    @property
-    def span(self) -> tuple[float, float]:
-        """First and last time to record where none is given."""
-        return _SPAN
-
-    @property
-    def known(self) -> tuple[float, float] | None:
-        """First and last time of the data of the solid, if they are limited."""
-        return None
-
-    @property
-    def assumed(self) -> str:
-        """Assumption beyond the data; empty for none."""
-        return ""
-
-    def resolved(self) -> Self:
-        """The same solid without files: with the numbers that they give."""
-        return self
-
-
-_BESIDE = {"extrapolate": ("relaxation", "data_last"), "temperature": ("relaxation", "creep")}
-"""Keys about a table that have a meaning without one, and what gives it."""
-
-
-class Continuum(SolidSection):
-    """A solid with a modulus, and perhaps with branches that relax, which a table may give."""
-
-    needs = (
-        *((key, ("branches",)) for key in ("draws", "data_first", "data_last")),
-        *((key, _BESIDE.get(key, ("relaxation",))) for key in (*OF_TABLES.values(), "table_modulus")),
-    )
-
     def __init__(self, **table: Any) -> None:
         super().__init__(**self._with_usual(table))
 
@@ -184,14 +162,14 @@ class Continuum(SolidSection):
             lacks = table.get("poisson") is None and table.get("modulus") in (None, "young", "shear")
             if lacks and isinstance(bodies, list) and table.get("table_modulus") != "contact":
                 table = {**table, "poisson": [POISSON] * len(bodies)}
-        if table.get("modulus") in get_args(TableModulus):
+        if "table_modulus" in cls.keys and table.get("modulus") in get_args(TableModulus):
             return {**table, "table_modulus": table["modulus"], "modulus": None}
         return table
 
     def _check_data(self) -> None:
         if self.relaxation is not None:
             self._check_table()
-        elif self.modulus is None and self.young is None:
+        elif "relaxation" in self.keys and self.modulus is None and self.young is None:
             expected = "modulus, young and poisson, or relaxation and poisson"
             raise self.wrong(expected=expected, got="none", advice=(Name("young"),))
         elif self.extrapolate not in (None, "model"):
@@ -249,11 +227,6 @@ class Continuum(SolidSection):
         return facts | {"young": modulus * factors.get(str(material.facts["measured"]), 1)}
 
     @property
-    def given(self) -> dict[str, Any]:
-        """See `SolidSection`."""
-        return super().given | self._of_table
-
-    @property
     def of_data(self) -> tuple[float, float] | None:
         """First and last time of the data that gave the branches."""
         return None if self.data_last is None else (self.data_first or 0.0, self.data_last)
@@ -266,18 +239,14 @@ class Continuum(SolidSection):
         return "" if self.fit is None else self.fit.assumed
 
     @property
-    def maxwell(self) -> list[tuple[float, float]]:
-        """Shares and relaxation times of all branches."""
-        return cast(list[tuple[float, float]], self._of_table.get("branches", self.branches))
-
-    @property
     def span(self) -> tuple[float, float]:
         """The times of the data; else a tenth of the shortest relaxation time and ten times the longest."""
         if self.of_data and self.of_data[0]:
             return self.of_data
         if self.fit is not None:
             return self.fit.data.span
-        times = [time for _, time in (*self.maxwell, *getattr(self, "base_branches", []))]
+        branches = self._of_table.get("branches", self.branches) if "relaxation" in self.keys else ()
+        times = [time for _, time in (*branches, *getattr(self, "base_branches", []))]
         return (min(times) / _BEYOND, max(times) * _BEYOND) if times else _SPAN
 
     @property
@@ -306,7 +275,7 @@ def _section_of(kind: str) -> type[SolidSection]:
     if "modulus" in keys and "creep" in keys:  # activation gives a stress in Pa
         keys |= ACTIVATED
     if keys.keys() >= {"young", "branches"}:  # which a table gives
-        return Continuum.of_kind(kind, make, keys | OF_DATA)
+        keys |= OF_DATA
     return SolidSection.of_kind(kind, make, keys)
 
 

@@ -10,11 +10,12 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 
 from asperity.ask.section import Section, SectionError, arguments_of
+from asperity.base import checks
 from asperity.base.files import content_of, expanded
 from asperity.base.parameters import Quantity
 from asperity.base.words import has_unit
 from asperity.errors import InputError
-from asperity.surfaces import KINDS, Surface
+from asperity.surfaces import KINDS, Surface, read
 from asperity.surfaces.heights import sides_of_pixels
 from asperity.surfaces.making import in_numbers
 
@@ -153,6 +154,16 @@ class MeasuredSurface(SurfaceSection.of_kind("file", KINDS["file"])):  # type: i
     def around(self) -> dict[str, Any]:
         """See `SurfaceSection`: `rule` includes the edges."""
         return {}
+
+
+def scan_of(surface: str | Path | Surface) -> Surface:
+    """A scan, once without mirrored copies, or that of a file; `InputError` unless it has two axes."""
+    advice = "asperity.surfaces.Surface(heights, unit='um', pixel_size='1 um')"
+    found = read(surface) if isinstance(surface, str | Path) else surface
+    scan = checks.instance("surface", found, Surface, advice).scan
+    if scan.heights.ndim != 2:
+        raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
+    return scan
 
 
 SURFACES: dict[str, type[SurfaceSection]] = {

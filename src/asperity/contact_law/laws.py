@@ -21,11 +21,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
 from dataclasses import asdict
-from functools import partial
 from operator import itemgetter
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,7 +34,7 @@ from asperity.analysis.bands import CLOSED, bearing, in_tiles, interval, student
 from asperity.analysis.flow import hydraulic_gap
 from asperity.ask.contact_law import Law
 from asperity.ask.question import answers
-from asperity.base import checks
+from asperity.ask.surface import scan_of
 from asperity.base.calls import remark
 from asperity.base.readable import written
 from asperity.carried import Carried
@@ -54,7 +51,7 @@ from asperity.results.checkpoint import Keeper, fingerprint_of_solid
 from asperity.results.dataset import attributes_of_answer, check_answer
 from asperity.results.quantities import describe
 from asperity.simulate import age, pressed
-from asperity.surfaces import Surface, read
+from asperity.surfaces import Surface
 
 TITLE = "Law of a rough contact"
 
@@ -62,13 +59,10 @@ OF_LAWS = {
     "approach": ("m", "approach of the rough layer alone, from first touch"),
     "stiffness": ("Pa/m", "normal stiffness per area, instantaneous"),
     "tangential_stiffness": ("Pa/m", "tangential stiffness per area, before anything slips, mean"),
-    **{
-        f"tangential_stiffness_{short}": ("Pa/m", f"tangential stiffness per area {where}")
-        for short, where in {
-            **{axis: f"along {axis}" for axis in "yx"},
-            **{kind: f"in the {kind}est direction" for kind in ("soft", "stiff")},
-        }.items()
-    },
+    "tangential_stiffness_y": ("Pa/m", "tangential stiffness per area along y"),
+    "tangential_stiffness_x": ("Pa/m", "tangential stiffness per area along x"),
+    "tangential_stiffness_soft": ("Pa/m", "tangential stiffness per area in the softest direction"),
+    "tangential_stiffness_stiff": ("Pa/m", "tangential stiffness per area in the stiffest direction"),
     "softest_direction": ("deg", "softest direction of the tangential stiffness, from x towards y"),
     "conductance": ("S/m^2", "electrical conductance per area"),
     "thermal_conductance": ("W/m^2/K", "thermal conductance per area"),
@@ -96,18 +90,15 @@ State = dict[str, Any]
 @answers(Law)
 def law(question: Law) -> xr.Dataset:
     """Answer the question of a law."""
-    body, steps, ages = question.solid, question.steps, question.ages
-    surface, carried, rtol = question.surface, question.carried, question.rtol
+    body, steps = question.solid, question.steps
     if steps[-1] >= body.hardness:
         expected, got = f"less than the hardness, {written(body.hardness, 'Pa')}", written(steps[-1], "Pa")
         raise InputError("pressures", expected=expected, got=got, advice="a lower last pressure")
-    scan = read(surface) if isinstance(surface, str | Path) else surface
-    scan = checks.instance("surface", scan, Surface, "Surface(heights, unit='um', pixel_size='1 um')").scan
-    if scan.heights.ndim != 2:
-        raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
+    scan = scan_of(question.surface)
     heights, spacing = scan.in_meters()
     lattice = Lattice(heights.shape, spacing, scan.edges)
-    asked = repr((steps.tolist(), ages.tolist(), carried, rtol)).encode() + heights.tobytes()
+    numbers = steps.tolist(), question.ages.tolist(), question.carried, question.rtol
+    asked = repr(numbers).encode() + heights.tobytes()
     if question.checkpoint is not None:
         asked += fingerprint_of_solid(body, lattice)
     keeper = Keeper(question.checkpoint, asked)
@@ -119,11 +110,7 @@ def law(question: Law) -> xr.Dataset:
             if step in done:
                 continue
             listening.stage(f"pressing with {written(step, 'Pa')}, {lower_steps} more to come")
-            memory = lower_steps == steps.size - 1 and (body.branches or body.yields)
-            lower = steps[-2::-1].tolist() if memory else []
-            contact = pressed(scan, body, pressure=step)
-            row_of = partial(_row, rough=heights, carried=carried)
-            rows += _held(contact, scan, step, ages, lower, rtol, row_of)
+            rows += _held(question, scan, step)
             keeper.write(rows)
     rows.sort(key=itemgetter("pressure", "time"))
     held = [Resolved(**row["seen"]) for row in rows if row["direction"] == "loading"]
@@ -137,16 +124,12 @@ def check_law(dataset: xr.Dataset) -> None:
     check_answer(dataset, TITLE, "a law", "asperity.law(solid, scan, pressures=...)")
 
 
-def _held(
-    contact: Contact,
-    scan: Surface,
-    pressure: float,
-    ages: Field,
-    lower: list[float],
-    rtol: float,
-    row_of: Callable[[Contact], State],
-) -> list[State]:
-    """Rows at each age of a held pressure, each followed by instant unloading to lower pressures."""
+def _held(question: Law, scan: Surface, pressure: float) -> list[State]:
+    """Rows at each age of a held pressure; of the largest, each is followed by instant unloading."""
+    body, ages, carried = question.solid, question.ages, question.carried
+    rough, _ = scan.in_meters()
+    remembers = pressure == question.steps[-1] and (body.branches or body.yields)
+    lower = question.steps[-2::-1].tolist() if remembers else []
     rows: list[State] = []
 
     def reached(time: float, contact: Contact) -> None:
@@ -157,16 +140,18 @@ def _held(
             raise InputError("pressures", expected="less than full contact", got=got, advice=advice)
         state: State = {"direction": "loading", "time": time, "pressure": pressure}
         when = f"under {written(pressure, 'Pa')} after {written(time, 's')}"
-        rows.append(state | {"seen": asdict(resolution_of(contact, scan, when, time))} | row_of(contact))
+        seen = asdict(resolution_of(contact, scan, when, time))
+        rows.append(state | {"seen": seen} | _row(contact, rough, carried))
         state["direction"] = "unloading"
         rows.extend([rows[-1] | state] * bool(lower))
         for less in lower:
             contact = pressed_anew(contact, Load(less * contact.nominal_area))
-            rows.append(state | {"pressure": less} | row_of(contact))
+            rows.append(state | {"pressure": less} | _row(contact, rough, carried))
 
+    contact = pressed(scan, body, pressure=pressure)
     reached(0.0, contact)
     if ages[-1] > 0:
-        age(contact, ages, rtol=rtol, progress=lambda frame: reached(frame.time, frame.contact))
+        age(contact, ages, rtol=question.rtol, progress=lambda frame: reached(frame.time, frame.contact))
     return rows
 
 

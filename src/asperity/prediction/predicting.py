@@ -6,7 +6,6 @@ import json
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
@@ -17,7 +16,7 @@ from asperity.analysis.bands import OfScan, draws_of_solid, effective_load, with
 from asperity.analysis.observation import observe
 from asperity.ask.prediction import Predict
 from asperity.ask.question import answers
-from asperity.base import checks
+from asperity.ask.surface import scan_of
 from asperity.base.machine import require
 from asperity.base.readable import length_factor, written
 from asperity.contact.remarks import remarks_on_bodies
@@ -35,7 +34,7 @@ from asperity.results import History
 from asperity.results.tabor import add_friction
 from asperity.simulate import age, pressed
 from asperity.solids import Solid
-from asperity.surfaces import Surface, read
+from asperity.surfaces import Surface
 
 USUAL_MAPS = 6
 LEAST_TIMES = 5
@@ -66,13 +65,7 @@ def predict(question: Predict) -> Prediction:
             raise InputError("material", expected=expected, got="one with adhesion", advice=advice)
         times = _times_of(question, material)
         listening.stage("reading the scan")
-        surface = question.surface
-        if isinstance(surface, str | Path):
-            surface = read(surface)
-        advice = "asperity.surfaces.Surface(heights, unit='m', pixel_size=(dy, dx), length_unit='m')"
-        scan = checks.instance("surface", surface, Surface, advice).scan
-        if scan.heights.ndim != 2:
-            raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
+        scan = scan_of(question.surface)
         scan.in_meters()
         if not material.solid.half_space:
             raise no_half_space("material", material.solid.kind)

@@ -92,7 +92,7 @@ def steady_sliding(question: SteadySliding) -> xr.Dataset:
             other = replace(profile, bodies=replace(bodies, solid=solid))
             return _curve(other, speeds, lambda _, state: other.row(state), listening, f", {stage}")
 
-        dataset = _dataset(table, maps, speeds, profile, question)
+        dataset = _dataset(table, maps, profile, question)
         if tiles:
             most, least = profile.waves[0] * speeds[-1], profile.waves[1] * speeds[0]
             of_solid = draws_of_solid(material, table, (float(least), float(most)), drawn)
@@ -144,8 +144,8 @@ def _checked(solid: Solid) -> Solid:
 
 def _load_of(question: SteadySliding, bodies: Bodies) -> float:
     """The normal load; `InputError` unless it presses."""
-    given = {name: value for name in ("load", "pressure") if (value := getattr(question, name)) is not None}
-    name, value = next(iter(given.items()))
+    name = "load" if question.pressure is None else "pressure"
+    value = getattr(question, name)
     if not (load := control_by(bodies, name, value).value) > 0:
         raise InputError(name, expected="more than 0", got=checks.shown(value), advice=f"{name}=1.0")
     return float(load)
@@ -167,13 +167,9 @@ def _check_known(material: Material, profile: Profile, speeds: Field) -> None:
 
 
 def _dataset(
-    table: dict[str, Field],
-    maps: dict[float, Field],
-    speeds: Field,
-    profile: Profile,
-    question: SteadySliding,
+    table: dict[str, Field], maps: dict[float, Field], profile: Profile, question: SteadySliding
 ) -> xr.Dataset:
-    bodies, law = profile.bodies, question.shear_strength
+    bodies, law, speeds = profile.bodies, question.shear_strength, question.each_speed
     if isinstance(law, ShearStrength):
         area = table.get("contact_area_corrected", table["contact_area"])
         adhered = law.at(speeds, law.settled(speeds)) * area / profile.load

@@ -157,11 +157,9 @@ def with_ends(dataset: xr.Dataset) -> xr.Dataset:
     if "initial_area" not in dataset:  # it has no history
         return dataset
     over_time = dataset.attrs["over"].split()[-1]
-    series = {name: str(dataset[name].attrs["long_name"]) for name in map(str, dataset.data_vars)}
     ends: dict[str, xr.DataArray] = {}
-    for name, long_name in series.items():
-        quantity = name.removesuffix("_history")
-        values = dataset[name]
+    for name, values in dataset.data_vars.items():
+        quantity = str(name).removesuffix("_history")
         timed = over_time in values.dims
         along = over_time if timed else "field_time"
         wanted = select("series" if timed else "map", table=CAMPAIGN)
@@ -171,7 +169,7 @@ def with_ends(dataset: xr.Dataset) -> xr.Dataset:
         for when, end in (("initial", values.isel({along: 0})), ("final", values.isel({along: last}))):
             if f"{when}_{quantity}" not in dataset:
                 moment = _WHEN[when] if along == over_time else f"on the {_WHICH[when]} map"
-                described = values.attrs | {"long_name": f"{long_name}, {moment}"}
+                described = values.attrs | {"long_name": f"{values.attrs['long_name']}, {moment}"}
                 plain_end = end.drop_vars(["time", "leg", "field_time"], errors="ignore")
                 ends[f"{when}_{quantity}"] = plain_end.assign_attrs(described)
     return dataset.assign(ends)

@@ -25,12 +25,10 @@ from pathlib import Path
 from typing import Any
 
 from asperity.app.config import RunConfig, config_from, read_tables, to_tables
-from asperity.app.config.mistakes import Sections
 from asperity.app.config.reading import question_of
-from asperity.ask.question import Question
-from asperity.ask.questions import QUESTIONS
+from asperity.ask.questions import question_named
 from asperity.ask.run import FILES, ORDER
-from asperity.ask.section import KINDS
+from asperity.ask.section import KINDS, kind_in
 from asperity.base.calls import remark
 from asperity.base.files import expanded
 from asperity.base.readable import written
@@ -40,8 +38,9 @@ from asperity.errors import SHOWN_PROBLEMS, ConfigError, InputError
 from asperity.results.parameters import IN_A_LEG
 
 Value = float | int | str
-_FILES = {section: FILES[section] for section in ("surface", "solid")}
-"""Keys of the files on which numbers depend, by section."""
+Lists = dict[tuple[str, str], list[Any]]
+"""Swept values, as they are written, by section and name."""
+
 
 _STORE_FORMAT = 4
 
@@ -146,15 +145,15 @@ def read_plan(path: str | Path) -> Plan:
     surface, solid = (
         table if isinstance(table := tables.get(name), dict) else {} for name in ("surface", "solid")
     )
-    kind = surface.get("kind", "file" if "path" in surface or "path" in swept else "gaussian")
+    kind = str(surface.get("kind", "file" if "path" in surface or "path" in swept else "gaussian"))
     combine = swept.pop("combine", "grid")
     if combine not in ("grid", "zip"):
         problems.append(f"[sweep] combine: expected 'grid' or 'zip', got {combine!r}")
     seeds = _seeds(swept.pop("seeds", None), surface.get("seed", 0), kind, problems)
-    kinds = {"surface": kind, "solid": solid.get("kind", "spring_lattice")}
+    kinds = {"surface": kind, "solid": str(kind_in("solid", solid))}
     question = question_of(tables)
-    unused = QUESTIONS.get(question, Question).unused
-    lists = dict(_lists(swept, kinds, question, problems))
+    unused = question_named(question).unused
+    lists: Lists = dict(_lists(swept, kinds, question, problems))
     lengths = {name: len(values) for (_, name), values in lists.items()}
     if combine == "zip" and len(set(lengths.values())) > 1:
         got = ", ".join(f"{name} {length}" for name, length in lengths.items())
@@ -324,28 +323,27 @@ def _place_in(table: object, key: str) -> Any:
 
 def _swept_keys(kinds: Mapping[str, object], question: str) -> list[str]:
     """Keys that a question uses and that may be swept, on a surface and a solid of these kinds."""
-    asked = QUESTIONS.get(question, Question)
+    asked = question_named(question)
     names = [
         name
         for section in (*ORDER, *filter(None, [question]))
         for kind, each in KINDS[section].items()
         if kinds.get(section, kind) == kind or kinds[section] not in KINDS[section]
         for name, parameter in each.keys.items()
-        if parameter.quantity.swept
-        and name not in asked.unused.get(section, ())
-        and (section, name) not in asked.refused
+        if parameter.quantity.swept and asked.uses(section, name)
     ]
     return list(dict.fromkeys(names))
 
 
-def _seeds(seeds: object, first: object, kind: str, problems: list[str]) -> tuple[int, ...]:
+def _seeds(seeds: object, first: Any, kind: str, problems: list[str]) -> tuple[int, ...]:
     """Seeds from a number, which begin with the first, or a list; a surface that is not random has none."""
-    if (chosen := KINDS["surface"].get(kind)) and "seed" not in chosen.keys:
+    chosen = KINDS["surface"].get(kind, KINDS["surface"]["gaussian"])  # another kind is refused later
+    if "seed" not in chosen.keys:
         if seeds is not None:
             problems.append(f"[sweep] seeds: a surface of kind {kind!r} has no seed")
         return ()
     if seeds is None:
-        seeds = [first]
+        return (first,)
     if isinstance(seeds, int) and not isinstance(seeds, bool) and seeds >= 1 and isinstance(first, int):
         if seeds > MOST_RUNS:
             problems.append(
@@ -353,21 +351,21 @@ def _seeds(seeds: object, first: object, kind: str, problems: list[str]) -> tupl
                 "for one surface of your choice, try seed in [surface]"
             )
             return ()
-        seeds = list(range(first, first + seeds))
+        return tuple(range(first, first + seeds))
     if not isinstance(seeds, list) or not seeds or len(set(map(str, seeds))) < len(seeds):
         expected = "a number of seeds or a list of different ones"
         problems.append(f"[sweep] seeds: expected {expected}, got {seeds!r}")
         return ()
+    for seed in seeds:
+        try:
+            chosen.keys["seed"].read("[sweep] seeds", seed)
+        except InputError as error:
+            problems.append(str(error))
     return tuple(seeds)
 
 
 def _runs(
-    tables: dict[str, Any],
-    lists: dict[tuple[str, str], list[Any]],
-    seeds: tuple[int, ...],
-    path: Path,
-    *,
-    zipped: bool,
+    tables: dict[str, Any], lists: Lists, seeds: tuple[int, ...], path: Path, *, zipped: bool
 ) -> tuple[Run, ...]:
     """Make the runs; check every seed and every point, and name every mistake once."""
     lengths = [range(len(values)) for values in lists.values()]
@@ -377,23 +375,14 @@ def _runs(
     contents: dict[str, str] = {}
     runs: list[Run] = []
     names = {key: f"[sweep] {key[1]}" for key in lists}
-    if seeds and "seed" not in tables.get("surface", {}):
-        names["surface", "seed"] = "[sweep] seeds"
-    for seed in seeds:  # what a seed may be does not depend on the point
-        if type(seed) is not int or seed < 0:
-            try:
-                config_from(_laid_over(tables, {}, seed), {}, path, names)
-            except ConfigError as error:
-                problems |= dict.fromkeys(error.problems)
     for point in points:
-        flags: Sections = {}
-        for ((section, name), values), index in zip(lists.items(), point, strict=True):
-            value = values[index]
-            if name == "path" and isinstance(value, str):
-                value = str(path.parent / expanded(value))
-            flags.setdefault(section, {})[name] = value
+        values = {key: some[index] for (key, some), index in zip(lists.items(), point, strict=True)}
+        if isinstance(file := values.get(("surface", "path")), str):
+            values["surface", "path"] = str(path.parent / expanded(file))
+        if seeds:
+            values["surface", "seed"] = seeds[0]
         try:
-            config = config_from(_laid_over(tables, flags, *seeds[:1]), {}, path, names)
+            config = config_from(_laid_over(tables, values), {}, path, names)
             remarks |= dict.fromkeys(config.remarks)
             config = config.used  # which a worker in any folder can read
             runs += _with_seeds(config, point, seeds, content_of(config, contents))
@@ -406,23 +395,18 @@ def _runs(
     return tuple(runs)
 
 
-def _laid_over(tables: dict[str, Any], flags: Sections, seed: int | None = None) -> dict[str, Any]:
-    """The tables of the file with the values of one run in them."""
-    merged = {name: dict(table) if isinstance(table, dict) else table for name, table in tables.items()}
-    seeded: Sections = {} if seed is None else {"surface": {"seed": seed}}
-    for section, keys in itertools.chain(flags.items(), seeded.items()):
+def _laid_over(tables: dict[str, Any], values: Mapping[tuple[str, str], object]) -> dict[str, Any]:
+    """The tables of the file with the values of one run in them, by section and name."""
+    merged = copy.deepcopy(tables)
+    for (section, name), value in values.items():
         table = merged.setdefault(section, {})
-        if any("." in name for name in keys):
-            table = merged[section] = copy.deepcopy(table)
-        elif not isinstance(table, dict):  # a mistake, which is reported
+        if section != "protocol" and not isinstance(table, dict):  # a mistake, which is reported
             continue
-        for name, value in keys.items():
-            path = name.removeprefix("protocol.")
-            try:
-                put(table, path, value)
-            except (KeyError, IndexError, ValueError, TypeError):
-                counted = "leg; legs count from 0" if section == "protocol" else "entry; entries count from 0"
-                raise ConfigError([f"[sweep] {name}: no such {counted}"]) from None
+        try:
+            put(table, name.removeprefix("protocol."), value)
+        except (KeyError, IndexError, ValueError, TypeError):
+            counted = "leg; legs count from 0" if section == "protocol" else "entry; entries count from 0"
+            raise ConfigError([f"[sweep] {name}: no such {counted}"]) from None
     return merged
 
 
@@ -447,14 +431,12 @@ def seeded(config: RunConfig, seed: int) -> RunConfig:
 def content_of(config: RunConfig, checksums: dict[str, str]) -> str:
     """Checksums of the files that it reads: the surface, and a table of the solid; found ones are kept."""
     contents = []
-    for section, key in _FILES.items():
-        if (name := getattr(config.parts[section], key, None)) is None:
-            continue
+    for section, name in config.files.items():
         if name not in checksums:
             try:
                 checksums[name] = hashlib.sha256(Path(name).read_bytes()).hexdigest()
             except OSError as error:
-                raise ConfigError([f"[{section}] {key}: {name}: {error.strerror}"]) from None
+                raise ConfigError([f"[{section}] {FILES[section]}: {name}: {error.strerror}"]) from None
         contents.append(checksums[name])
     return " ".join(contents)
 
@@ -462,10 +444,9 @@ def content_of(config: RunConfig, checksums: dict[str, str]) -> str:
 def _facts(config: RunConfig, content: str) -> dict[str, Any]:
     facts = to_tables(config)
     facts["output"].pop("figures", None)
-    for section, key in _FILES.items():
-        if (name := facts[section].get(key)) is not None:
-            # The suffix decides how the content is read.
-            facts[section][key] = [Path(name).suffix.lower(), content]
+    for section, name in config.files.items():
+        # The suffix decides how the content is read.
+        facts[section][FILES[section]] = [Path(name).suffix.lower(), content]
     facts["version"] = [__version__, _STORE_FORMAT]
     return facts
 
@@ -474,11 +455,11 @@ def _axis(section: str, name: str, values: Sequence[object], configs: Mapping[in
     """An axis, with its values as they were written; those with units in SI."""
     labels = []
     for number, value in enumerate(values):
-        config = configs[number]
-        taken = value_at(config, section, name)
-        if taken is None:  # it went into what a table gave
-            taken = config.parts[section].keys[name].read(name, value)
-        label = _label(taken if _has_units(value) else value)
+        if _has_units(value):
+            taken = value_at(configs[number], section, name)
+            # None where it went into what a table gave.
+            value = configs[number].parts[section].keys[name].read(name, value) if taken is None else taken
+        label = _label(value)
         labels.append(float(label) if isinstance(label, float) else label)
     return Axis(section, name, tuple(labels))
 

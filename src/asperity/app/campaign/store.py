@@ -239,7 +239,8 @@ def _write_group(folder: Path, identity: str, outcome: Outcome, seconds: float) 
     """
     numbers = outcome.numbers() | {"seconds": ((), seconds, {"long_name": "time of computing", "units": "s"})}
     dataset = outcome.dataset.assign(dict(sorted(numbers.items())))
-    if not outcome.keeps_fields:
+    asked = outcome.config
+    if not (asked.output.maps_at or getattr(asked.own, "fields_at", None)):  # no fields were asked for
         dataset = dataset.drop_dims(_SITES & {*dataset.dims})
     plain = {name: one for name, one in dataset.variables.items() if one.dtype.kind == "U" or not one.dims}
     arrays: dict[str, list[NDArray[Any]]] = {}

@@ -40,21 +40,21 @@ def run_task(
         with store.claim(identity) as mine:
             if not mine:
                 return identity, "busy", ""
-            if not store.is_done(identity):
-                _compute(store, identity, RunConfig.read(json.loads(config)), content)
+            try:
+                if not store.is_done(identity):
+                    _compute(store, identity, RunConfig.read(json.loads(config)), content)
+            except OSError:
+                raise
+            except (AsperityError, ArithmeticError, MemoryError) as error:
+                said = f"{error}" if isinstance(error, AsperityError) else f"{type(error).__name__}: {error}"
+                reason = " ".join(said.split())
+                store.fail(identity, reason)
+                return identity, "failed", reason
             return identity, "done", ""
     except OutputError as error:
         return identity, "disk", str(error)
-    except (AsperityError, ArithmeticError, MemoryError) as error:
-        reason = f"{error}" if isinstance(error, AsperityError) else f"{type(error).__name__}: {error}"
-        reason = " ".join(reason.split())
     except OSError as error:
         return identity, "disk", f"{directory}: {error.strerror or error}"
-    try:
-        store.fail(identity, reason)
-    except OutputError as error:
-        return identity, "disk", str(error)
-    return identity, "failed", reason
 
 
 def _compute(store: Store, identity: str, config: RunConfig, content: str) -> None:

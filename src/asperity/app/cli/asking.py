@@ -33,7 +33,7 @@ def answer_into(
 
     config = config_at(door, question=question)
     check(config)
-    replaceable = check_free(out, overwrite=results.overwrite)
+    folder = check_free(out, results)
     # The engine takes a second to import: mistakes are reported before.
     from asperity.app.cli.computing import compute_into
     from asperity.app.config import to_toml
@@ -42,12 +42,10 @@ def answer_into(
     with door.answering(config):
         compute_into(
             config.asked or "run",
-            out,
+            folder,
             to_toml(config),
             lambda **progress: answer(config, **progress),
             rows=lambda outcome: outcome.rows(),
-            write=lambda outcome, folder: outcome.write(folder, **how),
+            write=lambda outcome, place: outcome.write(place, **how),
             every=_CHECKPOINT_EVERY,
-            results=results,
-            replaceable=replaceable,
         )

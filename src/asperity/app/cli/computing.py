@@ -14,9 +14,9 @@ from typing import Any
 
 import xarray as xr
 
-from asperity.app.cli.options import Results
+from asperity.app.cli.new_files import NewFolder
 from asperity.base.calls import remarks_made, showing
-from asperity.base.files import MARKER, Standing, beside, mark, marker_of
+from asperity.base.files import MARKER, beside, mark, marker_of
 from asperity.base.rows import Row, aligned, remarks, words_of
 from asperity.errors import ConvergenceError, OutputError
 from asperity.progress import listener
@@ -29,22 +29,19 @@ _SHOWN = ("prediction.html", "inference.html", "aging", "history", "contacts", "
 
 def compute_into(
     kind: str,
-    out: Path,
+    out: NewFolder,
     asked: str,
     compute: Callable[..., Any],
     *,
     rows: Callable[[Any], list[Row]],
     write: Callable[[Any, Path], None],
     every: float,
-    results: Results,
-    replaceable: Standing,
 ) -> None:
     """Compute, and write everything to a folder, or nothing.
 
-    A long computation writes a checkpoint beside the folder every so many seconds. `replaceable` is from
-    `check_free`, called before the engine was imported.
+    A long computation writes a checkpoint beside the folder every so many seconds.
     """
-    with _place_beside(out, asked) as place, listener(not results.quiet) as progress:
+    with _place_beside(out.path, asked) as place, listener(not out.results.quiet) as progress:
         resumed, started = place.exists(), clock.perf_counter()
         if resumed:
             progress.stage(f"resuming from {place}")
@@ -62,23 +59,19 @@ def compute_into(
         def summary() -> list[Row]:
             return [*rows(result), cost, *remarks(*result.remarks)]
 
-        said = write_results(kind, out, replaceable, summary, write_all)
-    tell_results(said, out, results)
+        said = write_results(kind, out, summary, write_all)
+    tell_results(said, out)
 
 
 def write_results(
-    kind: str,
-    out: Path,
-    replaceable: Standing,
-    summary: Callable[[], list[Row]],
-    write: Callable[[Path], None],
+    kind: str, out: NewFolder, summary: Callable[[], list[Row]], write: Callable[[Path], None]
 ) -> list[Row]:
     """Write files, a summary and a marker to a folder that gets its name when all is written.
 
     Returns the rows of the summary, with remarks that are made meanwhile, as on a figure that fails.
     """
     rows: list[Row] = []
-    with whole_folder(out, overwrite=replaceable) as folder:
+    with whole_folder(out.path, overwrite=out.replaced) as folder:
         with remarks_made() as made:
             write(folder)
             with showing("the summary"):
@@ -110,13 +103,13 @@ def _place_beside(out: Path, asked: str) -> Iterator[Path]:
     place.unlink(missing_ok=True)
 
 
-def tell_results(rows: Sequence[Row], out: Path, results: Results) -> None:
+def tell_results(rows: Sequence[Row], out: NewFolder) -> None:
     """Print a report and the files written; open the results if asked."""
-    if not results.quiet:
-        files = ", ".join(marker_of(out)["files"])
-        sys.stdout.write(f"{aligned(words_of([*rows, Row('written', f'{out}: {files}')]))}\n")
-    if results.show:
-        open_results(out)
+    if not out.results.quiet:
+        files = ", ".join(marker_of(out.path)["files"])
+        sys.stdout.write(f"{aligned(words_of([*rows, Row('written', f'{out.path}: {files}')]))}\n")
+    if out.results.show:
+        open_results(out.path)
 
 
 def open_results(out: Path) -> None:

@@ -86,8 +86,6 @@ def given(
     sections: dict[str, dict[str, object]] = {}
     for name, (section, key) in flags.keys.items() if flags is not None else ():
         if (written := getattr(flags, name)) is not None:
-            if key.what in ("pair", "pairs"):
-                written = _paired(written)
             value = _read(written, key.what)
             if units:
                 check_unit(flag_of(section, key.name), value, *(key.units or (key.unit,)))
@@ -166,7 +164,7 @@ def _read(written: bool | str | list[str], sort: str) -> object:
     """Turn words into numbers, where a key may be one; the check refuses the rest."""
     if isinstance(written, list):
         if sort in ("pair", "pairs"):
-            split = (re.split(r"[\s,]+", word.strip(), maxsplit=1) for word in written)
+            split = (re.split(r"[\s,]+", word.strip(), maxsplit=1) for word in _paired(written))
             pairs = [[number(part) for part in parts] for parts in split]
             return pairs if sort == "pairs" else pairs[-1]
         if sort == "choices":
@@ -188,21 +186,21 @@ def listed(written: Iterable[str]) -> list[str]:
 
 def keys_for(section: str) -> Iterator[tuple[str, Key]]:
     """Yield the name of a section with each of its keys; a key of several kinds lists these kinds."""
-    from asperity.app.config.keys import HISTORY, Key, keys_of, own_keys, sections
+    from asperity.app.config.keys import HISTORY, Key, keys_of, kinds_of
     from asperity.ask.questions import QUESTIONS
+    from asperity.ask.section import keys_of_maker
     from asperity.ask.surface import MeasuredSurface
 
     if section in QUESTIONS:
-        placed = QUESTIONS[section].placed
-        yield from ((placed.get(name, section), key) for name, key in own_keys(section).items())
-    if section == "prediction":
-        yield from _of_a_prediction()
-    if section in QUESTIONS:
+        asked = QUESTIONS[section]
+        own = keys_of(keys_of_maker(asked))
+        yield from ((asked.placed.get(name, section), key) for name, key in own.items())
+        yield from _of_a_prediction() if section == "prediction" else ()
         return
     if section == "preparation":
-        yield from (("surface", key) for key in keys_of(MeasuredSurface).values() if key.name != "path")
+        yield from (("surface", key) for key in keys_of(MeasuredSurface.keys).values() if key.name != "path")
         return
-    kinds = {"": HISTORY} if section == "protocol" else sections(short=True)[section]
+    kinds = {"": HISTORY} if section == "protocol" else kinds_of(section, short=True)
     if "" in kinds:
         yield from ((section, key) for key in kinds[""].values())
         return
@@ -227,23 +225,18 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     from asperity.app.config.keys import keys_of
     from asperity.ask.laws import OF_LAWS
     from asperity.ask.questions import QUESTIONS
-    from asperity.ask.run import Carried, Output
+    from asperity.ask.run import ORDER
     from asperity.ask.section import KINDS
     from asperity.ask.solid import OF_TABLES, HalfSpace
     from asperity.ask.surface import MeasuredSurface
 
     of_solid = {*OF_LAWS["creep"], *OF_TABLES.values(), "table_modulus"}
     of_solid |= {"young", "poisson", "branches", "creep", "permanent", "hardness"}
-    question = QUESTIONS["prediction"]
-    for section, model, names in (
-        ("surface", MeasuredSurface, MeasuredSurface.keys.keys() - {"path", "unit"}),
-        ("solid", HalfSpace, of_solid),
-        *((section, KINDS[section][""], question.checked().keys()) for section in question.sections),
-        ("carried", Carried, Carried.keys.keys()),
-        ("output", Output, Output.keys.keys() - {"maps_at"}),
-    ):
-        for name, key in keys_of(model).items():
-            if name in names:
+    models = {name: KINDS[name].get("", HalfSpace) for name in ORDER} | {"surface": MeasuredSurface}
+    left_out = {"surface": {"path", "unit"}, "solid": HalfSpace.keys.keys() - of_solid}
+    for section, model in models.items():
+        for name, key in keys_of(model.keys).items():
+            if name not in left_out.get(section, ()) and QUESTIONS["prediction"].uses(section, name):
                 named = "modulus" if name == "table_modulus" else name  # no number of a modulus is asked for
                 yield section, dataclasses.replace(key, name=named)
 

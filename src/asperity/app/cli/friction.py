@@ -90,7 +90,7 @@ def friction(
     if several[0].si and isinstance(reference, float | int):
         expected, got = "a velocity with its unit, such as 1um/s", f"{reference:g}"
         raise InputError("V_0", expected=expected, got=got)
-    replaceable = check_free(out, overwrite=results.overwrite)
+    new_folder = check_free(out, results)
     # Late: mistakes are reported before the engine is imported.
     from asperity.app.cli.computing import tell_results, write_results
     from asperity.figures.writing import write_each
@@ -127,7 +127,7 @@ def friction(
         more = [] if fits is None else rows_of_events(fits, comparison.record)
         return [*comparison.rows(str(records[0])), *more]
 
-    tell_results(write_results("fit of friction", out, replaceable, rows, write_all), out, results)
+    tell_results(write_results("fit of friction", new_folder, rows, write_all), new_folder)
 
 
 def _records_at(path: Path, strength: float | str | None, **how: Any) -> list[Record]:

@@ -127,7 +127,7 @@ def infer(
         data = _Data((record, None, error), record.read)
     else:
         data = _curve(file, chosen, vars(reading), (unit_time, unit_area), error, model, quantity)
-    replaceable = check_free(out, overwrite=results.overwrite)
+    folder = check_free(out, results)
     from asperity.app.cli.computing import compute_into
     from asperity.app.cli.reports.infer import write_inference
     from asperity.ask.files import read_tables
@@ -158,14 +158,12 @@ def infer(
     typed, source = printable(shlex.join(["asperity", *sys.argv[1:]])), printable(file.name)
     compute_into(
         "inference",
-        out,
+        folder,
         asked,
         compute,
         rows=lambda inference: [Row("read", data.read), *inference.rows()],
         write=functools.partial(write_inference, formats=drawn.formats(), source=source, command=typed),
         every=0.0,
-        results=results,
-        replaceable=replaceable,
     )
 
 

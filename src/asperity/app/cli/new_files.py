@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
-from asperity.app.cli.options import Drawn
+from asperity.app.cli.options import Drawn, Results
 from asperity.base.files import (
     FORMATS,
     MARKER,
@@ -47,8 +48,17 @@ def check_figures(
     return pictures | {table: standing(table) for table in tables}
 
 
-def check_free(out: Path, *, overwrite: bool) -> Standing:
-    """Check, before anything is computed, that the results can be written; return what they replace."""
+@dataclass(frozen=True)
+class NewFolder:
+    """A folder to which results can be written, how they are told, and what they replace."""
+
+    path: Path
+    results: Results
+    replaced: Standing
+
+
+def check_free(out: Path, results: Results) -> NewFolder:
+    """Check, before anything is computed, that the results can be written."""
     folder = without_links(out)
     if folder == Path.cwd() or folder in Path.cwd().parents:
         raise InputError("--out", expected="a folder of its own", got=out, advice="--out results")
@@ -62,7 +72,7 @@ def check_free(out: Path, *, overwrite: bool) -> Standing:
             content = f"no {MARKER}, the mark of results"
         elif marker["kind"] == "campaign":
             content = named("campaign")
-        elif not overwrite:
+        elif not results.overwrite:
             content, advice = named(marker["kind"]), "another name, or --overwrite"
         elif foreign:
             expected, content = "a folder of results with nothing else in it", f"{foreign[0]}, too"
@@ -71,7 +81,7 @@ def check_free(out: Path, *, overwrite: bool) -> Standing:
             got = f"{out}, which contains {content}"
             raise InputError("--out", expected=expected, got=got, advice=advice)
     try_writing("--out", out, next(one for one in folder.parents if one.exists()))
-    return standing(out) if overwrite else frozenset()
+    return NewFolder(out, results, standing(out) if results.overwrite else frozenset())
 
 
 def try_writing(flag: str, target: Path, folder: Path) -> None:

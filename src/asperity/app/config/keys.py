@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 from dataclasses import dataclass
 from typing import Any
 
-from asperity.ask.questions import QUESTIONS
 from asperity.ask.run import FILES
-from asperity.ask.section import KINDS, Section, keys_of_maker
+from asperity.ask.section import KINDS, keys_of_maker
 from asperity.ask.section import Keys as Parameters
 from asperity.base.parameters import Parameter
 from asperity.errors import LARGEST
@@ -60,33 +58,22 @@ def sections(*, short: bool = False) -> dict[str, dict[str, Keys]]:
     The first kind is the usual one. ``"protocol"`` has the kinds of legs. With `short`, without keys that
     are too long for a flag or a field of a form.
     """
-    kinds = {
-        name: {kind: keys_of(one) for kind, one in kinds.items()}  # type: ignore[arg-type]  # classes have a hash
-        for name, kinds in KINDS.items()
-    }
-    kinds["protocol"] = {kind: _keys(keys_of_maker(leg)) for kind, leg in LEGS.items()}
     order = ("surface", "solid", "contact", "aging", "protocol", "friction", "carried", "output")
+    return {section: kinds_of(section, short=short) for section in order}
+
+
+def kinds_of(section: str, *, short: bool = False) -> dict[str, Keys]:
+    """Keys of the kinds of a section, or of legs, by name; see `sections`."""
+    legs = {kind: keys_of_maker(leg) for kind, leg in LEGS.items()}
+    kinds = legs if section == "protocol" else {kind: one.keys for kind, one in KINDS[section].items()}
     return {
-        section: {
-            kind: {name: key for name, key in keys.items() if not (short and key.what == "lists of pairs")}
-            for kind, keys in kinds[section].items()
-        }
-        for section in order
+        kind: {name: key for name, key in keys_of(of).items() if not (short and key.what == "lists of pairs")}
+        for kind, of in kinds.items()
     }
 
 
-@functools.cache
-def keys_of(section: type[Section]) -> Keys:
-    """Keys of one section."""
-    return _keys(section.keys)
-
-
-def own_keys(question: str) -> Keys:
-    """Keys of a question that no section has."""
-    return _keys(keys_of_maker(QUESTIONS[question]))
-
-
-def _keys(parameters: Parameters) -> Keys:
+def keys_of(parameters: Parameters) -> Keys:
+    """Keys of parameters, such as those of a section."""
     return {name: _key(name, parameter) for name, parameter in parameters.items()}
 
 
@@ -116,19 +103,15 @@ def _key(name: str, parameter: Parameter) -> Key:
 
 def _sort(name: str, one: Parameter) -> str:
     """Type of one entry."""
-    if one.words:
-        return "choice"
-    if one.pair:
-        return "pair"
-    if float in one.kinds:
-        return "number"
-    if bool in one.kinds:
-        return "switch"
-    if int in one.kinds:
-        return "text or whole" if str in one.kinds else "whole"
-    if str in one.kinds:
-        return "path" if name in FILES.values() else "text"
-    return "legs"
+    if one.words or one.pair:
+        return "choice" if one.words else "pair"
+    sorts = {
+        float: "number",
+        bool: "switch",
+        int: "text or whole" if str in one.kinds else "whole",
+        str: "path" if name in FILES.values() else "text",
+    }
+    return next((sort for kind, sort in sorts.items() if kind in one.kinds), "legs")
 
 
 def _bounds(one: Parameter, sort: str) -> dict[str, float]:
@@ -140,5 +123,5 @@ def _bounds(one: Parameter, sort: str) -> dict[str, float]:
     return bounds
 
 
-HISTORY: Keys = _keys(keys_of_maker(measured))
+HISTORY: Keys = keys_of(keys_of_maker(measured))
 """Keys of a measured history, in place of legs."""

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from asperity.ask.run import RunConfig
-from asperity.ask.section import KINDS
+from asperity.ask.section import KINDS, home_of
 from asperity.errors import ConfigError, InputError, Value, brief
 
 Sections = dict[str, dict[str, object]]
@@ -103,7 +103,7 @@ class Door:
         """Section and key with the name of an argument, best one that came as a flag; empty for none."""
         if name in config.parts:
             return (name,)
-        first = (config.asked, *(config.own.question.sections if config.own else ()))
+        first = (config.asked, *config.question.sections)
         homes = [home for home, part in config.parts.items() if name in part.keys]
         homes.sort(key=lambda home: (name not in self.flags.get(home, {}), home not in first))
         return (homes[0], name) if homes else ()
@@ -145,7 +145,6 @@ def assigned(flag: str, value: Value) -> str:
 
 def flag_in(section: str, key: str) -> str:
     """The flag of a key of this section, or of another that has it; empty where there is neither."""
-    homes = [section, *KINDS]
-    owners = (one for one in homes if any(key in kind.keys for kind in KINDS.get(one, {}).values()))
-    home = section if section == "protocol" else next(owners, section)
+    is_own = section == "protocol" or any(key in kind.keys for kind in KINDS.get(section, {}).values())
+    home = section if is_own else home_of(key) or section
     return flag_of(home, key) if home else ""

@@ -33,9 +33,8 @@ def to_python(config: RunConfig, times: list[float]) -> str:
     if not pressed:
         raise InputError("contact", expected="a load, a pressure or a separation", got="none")
     contact = _call("asp.press", "rough", "solid", **pressed)
-    arguments: dict[str, Any] = {}
-    if config.protocol:
-        arguments["protocol"] = list(config.protocol)
+    solid = _call(f"asp.solids.{config.solid.make.__name__}", **config.solid.given)
+    arguments: dict[str, Any] = {"protocol": list(config.protocol)}
     arguments |= {"hold": config.aging.hold, "rtol": config.aging.rtol, "fields_at": config.output.maps_at}
     arguments["carried"] = config.recorded
     arguments = {name: value for name, value in arguments.items() if value not in (None, [])}
@@ -46,7 +45,7 @@ def to_python(config: RunConfig, times: list[float]) -> str:
         "import asperity as asp",
         "",
         f"rough = {_surface(config)}",
-        f"solid = {_solid(config)}",
+        f"solid = {solid}",
         f"contact = {contact}",
         f"times = np.geomspace({config.span[0]!r}, {config.span[1]!r}, {len(times)})"
         if spread
@@ -69,11 +68,6 @@ def _surface(config: RunConfig) -> str:
         facts = {name: value for name, value in facts.items() if value != usual[name]}
     call = _call(f"asp.surfaces.{chosen.make.__name__}", repr(first), **facts)
     return _call("asp.surfaces.Surface", call, **chosen.around) if chosen.around else call
-
-
-def _solid(config: RunConfig) -> str:
-    solid = config.solid
-    return _call(f"asp.solids.{solid.make.__name__}", **solid.given)
 
 
 def _call(name: str, *positional: str, **named: object) -> str:

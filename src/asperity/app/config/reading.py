@@ -11,7 +11,7 @@ from asperity.ask.files import read_tables
 from asperity.ask.laws import KEYS_OF_LAWS, OF_LAWS
 from asperity.ask.questions import QUESTIONS
 from asperity.ask.run import RunConfig
-from asperity.ask.section import KINDS, Section, SectionError
+from asperity.ask.section import KINDS, SectionError, kind_in
 from asperity.ask.surface import MeasuredSurface
 from asperity.base.words import tables_to_toml
 from asperity.errors import InputError
@@ -71,7 +71,7 @@ def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
 
 def to_tables(config: RunConfig) -> dict[str, Any]:
     """Tables of which `RunConfig.read` makes a configuration that asks the same."""
-    tables, unused = config.tables, dict(config.unused)
+    tables, unused = config.tables, dict(config.question.unused)
     if "times" in tables["aging"]:
         unused["aging"] = {"first", "last", "per_decade", *unused.get("aging", ())}
     for name, keys in unused.items():
@@ -101,19 +101,18 @@ def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
                 table.pop(rival, None)
         table.update(keys)
     for section, kinds in KINDS.items():
-        if "" in kinds:
-            continue
-        table = merged.setdefault(section, {})
+        table = None if "" in kinds else merged.setdefault(section, {})
         if not isinstance(table, dict):
             continue
-        chosen = flags.get(section, {})
+        before, chosen = tables.get(section), flags.get(section, {})
         if section == "surface" and "path" in chosen and "kind" not in chosen:
             table["kind"] = "file"
-        usual = "file" if section == "surface" and "path" in table else next(iter(kinds))
-        table.setdefault("kind", usual)
-        _drop_foreign(kinds, table, tables.get(section), chosen)
-        of_kind = getattr(kinds.get(str(table["kind"])), "keys", {})
-        if "spacing" in of_kind and "pixel_size" in table.keys() - of_kind.keys() and "spacing" not in table:
+        table["kind"] = kind_in(section, table)
+        both = (before if isinstance(before, dict) else table), table
+        old, new = (getattr(kinds.get(str(kind_in(section, one))), "keys", {}) for one in both)
+        for key in old.keys() - new.keys() - chosen.keys() if new else ():  # a flag replaced the kind
+            table.pop(key, None)
+        if "spacing" in new and "pixel_size" in table.keys() - new.keys() and "spacing" not in table:
             table["spacing"] = table.pop("pixel_size")
     return merged
 
@@ -126,15 +125,3 @@ def _rivals(section: str, key: str, value: object) -> set[str]:
     ways = next((ways for ways in groups if any(key in way for way in ways)), ())
     of_data = {"data_first", "data_last"} if {"branches"} in ways else set()  # other branches, other data
     return {rival for way in ways if key not in way for rival in way} | of_data
-
-
-def _drop_foreign(
-    kinds: Mapping[str, type[Section]], table: dict[str, Any], before: object, chosen: dict[str, object]
-) -> None:
-    """Drop the keys of the file for its kind, if a flag replaces that."""
-    model = kinds.get(table["kind"]) if isinstance(table["kind"], str) else None
-    old = before.get("kind", next(iter(kinds))) if isinstance(before, dict) else table["kind"]
-    if model is None or old == table["kind"] or old not in kinds:
-        return
-    for key in set(kinds[old].keys) - set(model.keys) - set(chosen):
-        table.pop(key, None)

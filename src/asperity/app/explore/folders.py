@@ -25,11 +25,11 @@ from asperity.app.runs import Outcome, recorded_times
 from asperity.app.runs.law import Tabulated
 from asperity.app.runs.pipeline import height_law
 from asperity.app.runs.sliding import Slid
+from asperity.app.runs.words import units_in
 from asperity.base import files
 from asperity.base.rows import words_of
 from asperity.errors import AsperityError, ConfigError, InputError, printable
 from asperity.results.parameters import PARAMETERS
-from asperity.results.quantities import units_named
 
 _DEEPEST, _MOST, _MOST_SEEN = 4, 500, 10_000
 """Most levels of folders, listed results, and folders that are searched."""
@@ -189,9 +189,7 @@ def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Head
 
 
 def _units(plan: Plan, dataset: xr.Dataset) -> dict[str, str]:
-    units = units_named(
-        {str(name): str(one.attrs.get("units", "")) for name, one in dataset.variables.items()}
-    )
+    units = units_in(dataset)
     dimensions = {name: PARAMETERS.get(name, ("", ""))[1] for name in plan.swept}
     return {name: units.get(dimension, dimension) for name, dimension in dimensions.items()}
 

@@ -21,7 +21,6 @@ from typing import Any
 from asperity.app.config import RunConfig, to_tables
 from asperity.app.explore.mistakes import Shown, failed, mistake
 from asperity.app.explore.scene import Recording
-from asperity.ask.run import FILES
 from asperity.base.files import standing
 
 _UNWATCHED = 10.0
@@ -165,7 +164,5 @@ async def _killed(process: Process) -> None:
 
 
 def _name_of(config: RunConfig) -> str:
-    tables = to_tables(config)
-    names = filter(None, (tables[section].get(key) for section, key in FILES.items()))
-    states = [sorted(standing(Path(name))) for name in names]
-    return hashlib.sha256(json.dumps([tables, states], sort_keys=True).encode()).hexdigest()[:24]
+    states = [sorted(standing(Path(name))) for name in config.files.values()]
+    return hashlib.sha256(json.dumps([to_tables(config), states], sort_keys=True).encode()).hexdigest()[:24]

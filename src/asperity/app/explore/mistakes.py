@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from asperity.ask.section import KINDS
+from asperity.ask.section import home_of
 from asperity.base.words import reason_of
 from asperity.errors import SHOWN_PROBLEMS, AsperityError, ConfigError, InputError, SurfaceFileError, brief
 
@@ -37,8 +37,7 @@ def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistak
             return said + [{"where": "", "text": line} for line in error.shown[len(said) :]]
         case InputError():
             name = error.name.removeprefix("--").replace("-", "_")
-            homes = (one for one, kinds in KINDS.items() if any(name in kind.keys for kind in kinds.values()))
-            home = next(homes, "")
+            home = home_of(name)
             at_home = error.about(name, home, name) if home else error
             return mistake(_told(at_home, shown), home and f"{home}.{name}")
         case AsperityError():

@@ -123,11 +123,6 @@ class Map:
     facts: Header
     arrays: Arrays
 
-    @property
-    def size(self) -> int:
-        """Bytes of the arrays."""
-        return sum(one.nbytes for one in self.arrays.values())
-
 
 def map_of(
     time: float,
@@ -181,9 +176,9 @@ class Recording:
     end: Header | None = None
     _strengths: Sequence[float] = ()
     """Shear strength in each leg, over that stated; without growth. Empty without one."""
-    _first: Mapping[str, float] | None = None
+    _first: Moment | None = None
     """The reference entry: the first, or after a first load of 0 the end of the rise."""
-    _last: Mapping[str, float] | None = None
+    _last: Moment | None = None
     _rises: bool = False
 
     def begin(self, dataset: xr.Dataset, config: RunConfig | None, title: str, **facts: object) -> None:
@@ -194,7 +189,7 @@ class Recording:
             speeds = np.array([leg.speed or 0.0 for leg in config.written_out] or [0.0])
             self._strengths = (law.at(coming_velocity(speeds)) / law.strength).tolist()
 
-    def add_row(self, row: Mapping[str, float]) -> None:
+    def add_row(self, row: Moment) -> None:
         """Add an entry of the time series, by the names of the dataset."""
         assert self.scene is not None
         if self._first is None:
@@ -202,11 +197,11 @@ class Recording:
         elif self._rises:
             self._rises = row["load"] > self._first["load"] * (1 + _RISE)
             self._first = row if self._rises else self._first
-        columns, switches = self.scene["columns"], self.scene["switches"]
         if self._strengths and _STRENGTH not in row:
             strength = self._strengths[int(row.get("leg", 0))] + row.get("grown", 0.0)
             row = {**row, _STRENGTH: strength}
-        self.rows.append(_numbers(row, columns, self._first, self._last or row, switches))
+        numbers = row | _derived(row, self._first, self._last or row, self.scene["switches"])
+        self.rows.append([float(numbers[name]) for name in self.scene["columns"]])
         self._last = row
 
     def next(self, cursor: Cursor) -> tuple[Header, Arrays] | None:
@@ -240,7 +235,7 @@ class Recording:
             sizes = {name: cell * one.facts[name] for name, cell in in_units.items()}
             listed.append({"index": number, **one.facts, **sizes, "side": "after" if after else ""})
             arrays |= {f"{name}.{number}": array for name, array in one.arrays.items()}
-            taken += one.size
+            taken += sum(array.nbytes for array in one.arrays.values())
             if taken > _A_MESSAGE:
                 break
         cursor.rows, cursor.maps = len(self.rows), first + len(listed)
@@ -283,16 +278,14 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
     for number in range(dataset.sizes["time"]):
         recording.add_row({name: values[number] for name, values in series.items()})
     count = dataset.sizes["field_time"] if "in_contact" in dataset else 0
-    legs = dataset["field_leg"].values.tolist() if "field_leg" in dataset.coords else [0] * count
-    placed = on_the_surface(dataset)
+    placed, edges = on_the_surface(dataset), dataset.attrs["edges"]
     for number in _spread(count, most_maps(dataset["heights"].size)):
         fields = placed.isel(field_time=number)
         mask = np.asarray(fields["in_contact"], dtype=bool)
         pressure = pressure_of(fields)
         depth = fields["permanent_indentation"].values if "permanent_indentation" in fields else None
-        edges = dataset.attrs["edges"]
-        time = float(fields["field_time"])
-        recording.maps.append(map_of(time, int(legs[number]), mask, pressure, edges, depth))
+        time, leg = float(fields["field_time"]), int(fields.get("field_leg", 0))
+        recording.maps.append(map_of(time, leg, mask, pressure, edges, depth))
     return recording
 
 
@@ -395,14 +388,8 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
     return header, np.rint(steps).astype(np.uint16)
 
 
-def _numbers(
-    row: Mapping[str, float],
-    columns: Sequence[str],
-    first: Mapping[str, float],
-    last: Mapping[str, float],
-    switches: Sequence[float],
-) -> list[float]:
-    """One entry, in the order of the columns; derived quantities are NaN where they are undefined."""
+def _derived(row: Moment, first: Moment, last: Moment, switches: Sequence[float]) -> Moment:
+    """Leg and derived quantities of an entry; NaN where they are undefined."""
     area, load, time, leg = (float(row.get(name, 0.0)) for name in ("area", "load", "time", "leg"))
     numbers = {"leg": leg, "friction": math.nan, "decade_growth": math.nan}
     numbers["mean_pressure"] = row.get("mean_contact_pressure", load / area if area else 0.0)
@@ -413,4 +400,4 @@ def _numbers(
     if 0 < earlier < time - since and leg == last.get("leg", 0.0) and first["area"] > 0:
         growth = (area - last["area"]) / first["area"]
         numbers["decade_growth"] = growth / math.log10((time - since) / earlier)
-    return [float(numbers[name] if name in numbers else row[name]) for name in columns]
+    return numbers

@@ -12,7 +12,6 @@ import contextlib
 import hashlib
 import json
 import logging
-import math
 import mimetypes
 import re
 import socket
@@ -34,7 +33,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketClose, WebSocketDisconnect
 
 from asperity.app.config import RunConfig, config_from
-from asperity.app.config.keys import own_keys, sections
+from asperity.app.config.keys import keys_of, sections
 from asperity.app.config.mistakes import Door
 from asperity.app.config.reading import question_of
 from asperity.app.explore.export import exported_page
@@ -42,9 +41,9 @@ from asperity.app.explore.folders import Opened, entries, open_entry
 from asperity.app.explore.jobs import Job, Jobs
 from asperity.app.explore.mistakes import Shown, failed, mistake, mistakes_of
 from asperity.app.explore.scene import Arrays, Cursor, Header, Recording, pack
-from asperity.ask.question import Question
-from asperity.ask.questions import QUESTIONS
+from asperity.ask.questions import QUESTIONS, question_named
 from asperity.ask.run import FILES
+from asperity.ask.section import KINDS
 from asperity.base.files import without_links
 from asperity.errors import ConfigError, InputError, brief
 
@@ -114,8 +113,8 @@ def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
         if table != []
     }
     aging = contents.setdefault("aging", {})
-    unused = QUESTIONS.get(question_of(contents), Question).unused.get("aging", ())
-    if isinstance(aging, dict) and "times" not in aging and "per_decade" not in unused:
+    asked = question_named(question_of(contents))
+    if isinstance(aging, dict) and "times" not in aging and asked.uses("aging", "per_decade"):
         aging.setdefault("per_decade", PER_DECADE)
     shown: Shown = {}
     for section, key in FILES.items():
@@ -128,9 +127,6 @@ def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
             table[key] = str(place)
             told = place.name if place.is_relative_to(places.uploads) else name
             shown[table[key]] = name, told, f"{section}.{key}"
-    solid = contents.get("solid")
-    if isinstance(solid, dict) and solid.get("apparatus") == "inf":
-        solid["apparatus"] = math.inf
     return config_from(contents, {}, None), shown
 
 
@@ -290,7 +286,7 @@ class Server:
         root = self.places.root
         questions = {
             name: {
-                "keys": {key: asdict(one) for key, one in own_keys(name).items() if key not in asked.placed},
+                "keys": {key: asdict(one) for key, one in keys_of(KINDS[name][""].keys).items()},
                 "unused": {section: [*keys] for section, keys in asked.unused.items()},
                 "refused": [".".join(path) for path in asked.refused],
             }

@@ -22,7 +22,6 @@ from asperity.app.explore.mistakes import Shown, failed, mistakes_of
 from asperity.app.explore.scene import Header, Recording, ending, mapped, of_frame, pictured, started
 from asperity.app.runs import Progress, answer
 from asperity.app.runs.loops import compile_loops
-from asperity.ask.run import FILES
 from asperity.base.machine import end_with
 from asperity.base.rows import Row, remarks, words_of
 
@@ -60,10 +59,8 @@ def work() -> None:
 
 def _renamed(config: RunConfig, shown: Shown, which: int) -> RunConfig:
     """A configuration whose files have their names in the form of the page (0), or in texts (1)."""
-    parts = {section: getattr(config, section) for section in FILES}
-    names = {one: shown.get(getattr(part, FILES[one], "")) for one, part in parts.items()}
-    update = {one: parts[one].but(**{FILES[one]: of[which]}) for one, of in names.items() if of}
-    return config.but(**update)
+    names = {section: shown[file][which] for section, file in config.files.items() if file in shown}
+    return config.with_files(names)
 
 
 class _Teller(Progress):

@@ -36,20 +36,12 @@ class Tabulated(Outcome):
 
         return {"law": lambda: law_figure(self.dataset)}
 
-    def write(
-        self,
-        folder: Path,
-        *,
-        programs: Sequence[Program] = (),
-        age: str | None = None,
-        millimeters: bool = False,
-        **_: Any,
-    ) -> None:
-        """Write also files for other programs."""
+    def write(self, folder: Path, *, programs: Sequence[Program] = (), **how: Any) -> None:
+        """Write also files for other programs, as `law_for` takes it."""
         super().write(folder)
         for program in programs:
             for direction in self.dataset["direction"].values.tolist():
-                text = law_for(program, self.dataset, age=age, direction=direction, millimeters=millimeters)
+                text = law_for(program, self.dataset, direction=direction, **how)
                 prefix = "" if direction == "loading" else f"{direction}_"
                 (folder / f"{prefix}{FILES[program]}").write_text(text, encoding="utf-8")
 

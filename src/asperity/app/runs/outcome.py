@@ -32,11 +32,6 @@ class Outcome:
     over: ClassVar[tuple[str, ...]] = ("time",)
     """Dimensions of its table."""
 
-    @property
-    def keeps_fields(self) -> bool:
-        """Whether fields over the sites were asked for."""
-        return bool(self.config.output.maps_at or getattr(self.config.own, "fields_at", None))
-
     def numbers(self) -> dict[str, tuple[tuple[()], float, dict[str, str]]]:
         """Single numbers beside those of the dataset, as variables of it."""
         return {}

@@ -280,10 +280,10 @@ def _odd_numbers(config: RunConfig, modulus: float | None, rough: Surface) -> tu
 def completed(config: RunConfig, solid: Solid, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
     """Complete a configuration by a load, times and times of maps, without what is not used; and remarks."""
     chosen = config.surface
-    assumed = (config.solid.assumed,) if config.solid.assumed else ()
-    remarks = (*remarks_on_bodies(rough, solid), *_odd_numbers(config, solid.modulus, rough), *assumed)
+    remarks = (*remarks_on_bodies(rough, solid), *_odd_numbers(config, solid.modulus, rough))
+    remarks += (config.solid.assumed,) * bool(config.solid.assumed)
     contact = config.contact
-    if not contact.table and "contact" not in config.unused:
+    if not contact.table and "contact" not in config.question.unused:
         contact, said = _usual_contact(config, solid, rough)
         remarks += (said,)
     if rough.has_lengths and not solid.in_lengths:

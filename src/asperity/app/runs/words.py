@@ -30,9 +30,15 @@ def run_rows(config: RunConfig, dataset: xr.Dataset, summary: AgingSummary | Non
 
 def read_rows(config: RunConfig) -> list[Row]:
     """Rows on the columns of tables that were read."""
-    table = getattr(config.solid, "fit", None)
-    sources = "" if table is None else table.data.source, getattr(config.protocol, "read", "")
+    fit = config.solid.fit
+    sources = "" if fit is None else fit.data.source, getattr(config.protocol, "read", "")
     return [Row("read", source) for source in sources if source]
+
+
+def units_in(dataset: xr.Dataset) -> Units:
+    """Units of dimensions, from those of the quantities in a dataset."""
+    named = {str(name): str(one.attrs.get("units", "")) for name, one in dataset.variables.items()}
+    return units_named(named)
 
 
 def _surface(config: RunConfig, dataset: xr.Dataset) -> str:
@@ -67,9 +73,7 @@ def _word(value: object, between: str) -> str:
 def _solid(config: RunConfig, dataset: xr.Dataset) -> str:
     described = config.solid.table
     kind, parts = described.pop("kind"), []
-    units = units_named(
-        {str(name): str(one.attrs.get("units", "")) for name, one in dataset.variables.items()}
-    )
+    units = units_in(dataset)
     relaxing = {f"{of}relaxing": described.pop(f"{of}branches", []) for of in ("", "base_")}
     for name, value in described.items():
         if isinstance(value, bool):
