@@ -18,9 +18,6 @@ from asperity.errors import InputError
 _BOLTZMANN = 1.380649e-23
 """J/K, exact in the SI; without scipy, whose import would delay the help of commands."""
 
-_BLOCK = 2**13
-"""Number of stresses that stay in the cache."""
-
 _SMALLEST_RATE = 1e-290
 """Rate below which double precision loses digits."""
 
@@ -128,14 +125,5 @@ class Eyring(LocalCreep):
 
     def velocity(self, stress: Floats) -> tuple[Floats, Floats]:
         """See `LocalCreep`; constant beyond `greatest_stress`, which is refused."""
-        stress = np.ascontiguousarray(stress)
-        rate, slope = np.empty_like(stress), np.empty_like(stress)
-        flat = [field.reshape(-1) for field in (stress, rate, slope)]
-        for start in range(0, stress.size, _BLOCK):
-            s, v, dv = (field[start : start + _BLOCK] for field in flat)
-            x = np.clip(s / self.stress, -LARGEST_EXPONENT, LARGEST_EXPONENT)
-            np.sinh(x, out=v)
-            np.cosh(x, out=dv)
-            v *= self.rate
-            dv *= self.rate / self.stress
-        return rate, slope
+        x = np.clip(stress / self.stress, -LARGEST_EXPONENT, LARGEST_EXPONENT)
+        return self.rate * np.sinh(x), self.rate / self.stress * np.cosh(x)

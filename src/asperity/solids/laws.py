@@ -47,8 +47,6 @@ class LaplacianSpectrum(Numbers):
 
     def __call__(self, lattice: Lattice) -> Spectrum:
         """Evaluate on a lattice."""
-        if self.laplacian == 0:
-            return np.full(lattice.spectral_shape, self.uniform)
         return self.laplacian * lattice.lam + self.uniform
 
 
