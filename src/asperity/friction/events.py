@@ -62,10 +62,9 @@ def events_of(record: Record) -> list[Event]:
 
 def rows_of(record: Record, events: object) -> NDArray[np.bool_]:
     """Mask of the rows of the run-in and of such events, shape (n,); `InputError` without such events."""
-    if events not in _EVENTS:
-        raise InputError("events", expected="'all', 'holds' or 'steps'", got=checks.shown(events))
+    needed, wanted = _EVENTS[checks.choice("events", events, tuple(_EVENTS))]
     _refuse_noise(record)
-    (needed, wanted), kinds = _EVENTS[str(events)], record.events
+    kinds = record.events
     rests = bool((record.velocity[1:] == 0).any())
     found = (rests and HOLD in wanted) or (STEPPED in wanted and (kinds == STEPPED).any())
     if not (found or (record.presses_anew and events == "all")):

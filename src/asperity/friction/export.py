@@ -20,7 +20,7 @@ from asperity.errors import InputError
 from asperity.fits import Estimate
 from asperity.friction.comparing import StateLaws
 from asperity.friction.events import Event
-from asperity.friction.laws import STATE_LAWS, StateLaw, state_law
+from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.friction.parameters import MachineFit, RateAndStateFit
 from asperity.friction.records import Record
 
@@ -44,7 +44,7 @@ def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None 
     from asperity.results.store import whole_file  # late, as it brings the solvers
 
     checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(record)")
-    target, preferred = expanded(path), found.preferred if law is None else state_law(law)
+    target, preferred = expanded(path), checks.choice("law", law or found.preferred, STATE_LAWS)
     writers = {".toml": _toml, ".csv": _csv}
     if target.suffix.lower() not in writers:
         raise InputError("path", expected="a name that ends in .toml or .csv", got=target)

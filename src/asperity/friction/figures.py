@@ -15,7 +15,7 @@ from asperity.base.words import uncertain
 from asperity.errors import InputError
 from asperity.figures import style
 from asperity.friction.comparing import StateLaws
-from asperity.friction.laws import STATE_LAWS, StateLaw
+from asperity.friction.laws import StateLaw
 from asperity.friction.parameters import MachineFit
 
 _LINES: dict[StateLaw, tuple[str, str]] = {"aging": (style.BLUE, "-"), "slip": (style.VERMILION, "--")}
@@ -123,10 +123,9 @@ def _(found: StateLaws) -> dict[str, style.Panel]:
 
 
 def _draw_state(axes: Axes, laws: StateLaws, slip: np.ndarray) -> None:
-    for law in STATE_LAWS:
+    for law, (color, dashes) in _LINES.items():
         fit = laws.fits[law]
         if isinstance(fit, MachineFit):
-            color, dashes = _LINES[law]
             axes.semilogy(slip, fit.state, dashes, color=color, linewidth=1.5)
     style.few_ticks(axes.yaxis)
     axes.set_ylabel(rf"state $\theta$ [{'s' if laws.record.si else 'time'}]")
@@ -139,8 +138,7 @@ def _draw_record(axes: Axes, laws: StateLaws, slip: np.ndarray) -> None:
     dots: dict[str, Any] = {"markersize": 2, "markeredgewidth": 0} if small else _RINGS
     label = f"record{surfaces}"
     axes.plot(slip[shown], record.friction[shown], "o", color=style.GRAY, label=label, **dots)
-    for law in STATE_LAWS:
-        color, dashes = _LINES[law]
+    for law, (color, dashes) in _LINES.items():
         friction = np.where(shown, laws.fits[law].predict(record), np.nan)
         axes.plot(slip, friction, dashes, color=color, linewidth=1.2, label=_legend(laws, law))
     axes.set_ylabel(r"friction coefficient $\mu$")
@@ -166,9 +164,9 @@ def _draw_residuals(axes: Axes, laws: StateLaws, slip: np.ndarray) -> None:
     look: dict[str, Any] = {"markersize": 2.5, "markerfacecolor": "none"}
     if laws.record.time.size > _MANY:
         look = {"markersize": 1.5, "markeredgewidth": 0, "alpha": 0.5}
-    for law, marker in zip(STATE_LAWS, "os", strict=True):
+    for (law, (color, _)), marker in zip(_LINES.items(), "os", strict=True):
         fit = laws.fits[law]
-        axes.plot(slip[fit.used], fit.residual, marker, color=_LINES[law][0], **look)
+        axes.plot(slip[fit.used], fit.residual, marker, color=color, **look)
     axes.set_ylabel(r"$\mu$ − law")
 
 
@@ -176,8 +174,7 @@ def _draw_peaks(axes: Axes, laws: StateLaws) -> None:
     peaks = laws.peaks()
     look: dict[str, Any] = {"color": style.GRAY, "markerfacecolor": "white", "label": "record"}
     axes.semilogx(peaks.duration, peaks.peak - peaks.before, "o", **look)
-    for law in STATE_LAWS:
-        color, dashes = _LINES[law]
+    for law, (color, dashes) in _LINES.items():
         of_law = laws.peaks(law)
         order = np.argsort(of_law.duration)
         healed = (of_law.peak - of_law.before)[order]

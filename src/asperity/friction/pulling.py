@@ -77,7 +77,10 @@ def stiffness_of(record: Record, stiffness: object) -> float | None:
 def pulled_fit(
     record: Record, law: StateLaw, a: object, V_0: float | None, events: object, k: float | None
 ) -> MachineFit:
-    """Fit a record from its steady sliding on; k is None to fit it. Errors are those of `rate_and_state`."""
+    """Fit a record from its steady sliding on, and a and k if they are None.
+
+    Errors are those of `rate_and_state`.
+    """
     if record.strength_at_rest:
         expected = "a record of a machine for a stiffness: in simulations the velocity is that of slip"
         raise InputError("record", expected=expected, got="the strength at rest")
@@ -92,9 +95,7 @@ def pulled_fit(
     used, time, friction, slip = rows_of(record, events), record.time, record.friction, record.slip
     normal = NormalStress.of(time, record.pressing, friction, drive.kinks)
     refusal = oscillation(record, drive, normal.edges(drive.edges(time)))
-    if a is None:
-        a = record.a
-    fixed = None if a is None or a == "fitted" else checks.number("a", a, above=0.0)
+    fixed = None if a is None else checks.number("a", a, above=0.0)
     noise = math.sqrt(variance(time, friction)), 1.0 if slip is None else math.sqrt(variance(time, slip))
     measured = np.full(drive.kinks.size, record.load_point is not None)
     alpha = None if record.presses_anew else 0.0
@@ -158,9 +159,8 @@ def _cycles(friction: Floats, least: float) -> tuple[NDArray[np.intp], float] | 
     power, heights = np.abs(np.fft.rfft(periodic))[1:] ** 2, about["prominences"]
     frequency = np.arange(1, power.size + 1) / (peaks.size - 1)
     share = power[(frequency > 1 / _BAND) & (frequency < _BAND)].sum() / power.sum()
-    early, late = (
-        float(np.median(part)) for part in (heights[: peaks.size // 2], heights[peaks.size // 2 :])
-    )
+    half = peaks.size // 2
+    early, late = np.median(heights[:half]), np.median(heights[half:])
     return (peaks, float(heights[-2])) if share > _PERIODIC and late > _LASTS * early else None
 
 

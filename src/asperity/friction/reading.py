@@ -63,6 +63,7 @@ _EXAMPLES = (
 )
 _ARGUMENTS = ("units", "strength_at_rest")
 _MOTIONS = ("load point", "velocity", "displacement")
+"""Motions: a velocity counts where there is no load point, and then alone."""
 
 
 def read_record(
@@ -123,10 +124,7 @@ def read_record(
             raise InputError("columns", expected=expected, got=got, cure={"columns": known})
         advice = f"a first line that names them with their units, such as {_EXAMPLES}"
         raise InputError(name, expected=expected, got=named(columns_read.table), advice=advice)
-    if "load point" in motions or "velocity" not in motions:
-        motions = [role for role in motions if role != "velocity"]
-    else:
-        motions = ["velocity"]
+    motions = motions[:1] if motions[0] == "velocity" else [role for role in motions if role != "velocity"]
     # Of a ratio, or of times and displacements, each has a unit or none has.
     has_units = any(columns_read.unit(role) for role in ("time", *motions))
     time = columns_read.values("time", bare=not has_units)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, TypedDict, Unpack
 
 import numpy as np
@@ -197,10 +197,8 @@ class Record(views.Brief):
         """Return the rows of a record of a machine between two times, with the kinks there."""
         assert self.drive is not None
         kept = (self.time >= start) & (self.time <= stop)
-        every = {item.name: getattr(self, item.name) for item in fields(self)}
-        rows: dict[str, Any] = {
-            name: values[kept] for name, values in every.items() if isinstance(values, np.ndarray)
-        }
+        columns = {name: values for name, values in vars(self).items() if isinstance(values, np.ndarray)}
+        rows: dict[str, Any] = {name: values[kept] for name, values in columns.items()}
         return replace(self, drive=self.drive.between(start, stop), **rows)
 
     @property

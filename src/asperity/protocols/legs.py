@@ -87,9 +87,8 @@ class Leg(Checked):
         for name in sorted(vars(self).keys() - parameters):
             expected, advice = "a field whose annotation has a Quantity", "Annotated[float, Quantity(...)]"
             raise InputError(name, expected=expected, got="one without", advice=advice)
-        if self.target not in TARGETS and (self.target or type(self).value is not Leg.value):
-            expected = f"one of {', '.join(map(repr, TARGETS))}"
-            raise InputError("target", expected=expected, got=repr(self.target))
+        if self.target or type(self).value is not Leg.value:
+            checks.choice("target", self.target, TARGETS)
         if self.target and self.duration > 0:
             checks.number("longest", self.longest, least=self.duration / _MOST_STEPS)
         for name, parameter in parameters.items():

@@ -78,14 +78,15 @@ class Columns:
         self._roles, self._wanted = roles, {role.name: role for role in roles}
         meanings = [self._meaning(name) for name in self.table.names]
         self._parts = [parts for _, parts in meanings]
-        numbers = {role for role, parts in meanings if parts.base is None}
+        self.logarithms = {at for at, parts in enumerate(self._parts) if parts.base is not None}
+        numbers = {role for at, (role, _) in enumerate(meanings) if at not in self.logarithms}
         # Logarithms beside their numbers are left alone.
         self.roles = [
-            "" if parts.base is not None and role in numbers else role or "" for role, parts in meanings
+            "" if at in self.logarithms and role in numbers else role or ""
+            for at, (role, _) in enumerate(meanings)
         ]
         self.unknown = [at for at, (role, _) in enumerate(meanings) if role is None]
-        everything = range(len(self.roles))
-        self.chosen = list(everything) if columns is None else positions(self.table, columns)
+        self.chosen = [*range(len(self.roles))] if columns is None else positions(self.table, columns)
         self._stated = self._by_column(units)
         self._read: dict[int, str] = {}
 

@@ -42,9 +42,7 @@ def part_of(
     """Pixels of a part of a surface of this shape; bounds and unit are those of `Surface.crop`."""
     scale = [1.0] * len(shape)
     if unit != "pixel":
-        if not is_length(unit):
-            known = ", ".join(map(repr, ("pixel", *LENGTHS)))
-            raise InputError("crop_unit", expected=f"one of {known}", got=repr(unit))
+        checks.choice("crop_unit", unit, ("pixel", *LENGTHS))
         across = conversion(length_unit, unit)
         if pixel_size is None or across is None:
             got = "none" if pixel_size is None else f"pixels in {length_unit or 'no unit'}"

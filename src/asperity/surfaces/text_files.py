@@ -41,7 +41,7 @@ _FACTS = {
 }
 _SDF = re.compile(r"[ab](ISO|BCR)-\d")
 _MEASURES = re.compile("unit|scale|einheit|pixel|size|resolution|length", re.IGNORECASE)
-_LOGARITHM, _DOWNWARD = re.compile(r"(?i)(log|lg|ln)\b|log_?10"), re.compile("depth|tiefe|profond")
+_DOWNWARD = re.compile("depth|tiefe|profond")
 _AXES = (
     Role("", "", r"\bstd|\berr|uncert|mask|valid"),
     Role("y", "m", r"^y\d?\b|position y\b|y.?position"),
@@ -170,11 +170,10 @@ def _roles(table: Table) -> list[tuple[str, str | None]]:
     if not any(table.names):
         return []
     columns = Columns(table, _AXES)
-    roles = (
-        columns.roles if "z" in columns.roles else ["z" if role == "y" else role for role in columns.roles]
-    )
+    stand_in = {} if "z" in columns.roles else {"y": "z"}
+    roles = [stand_in.get(role, role) for role in columns.roles]
     for at in (at for at, role in enumerate(roles) if role == "z"):
-        others = columns.scaled(at) or ["a logarithm"] * (_LOGARITHM.match(table.names[at]) is not None)
+        others = columns.scaled(at) or ["a logarithm"] * (at in columns.logarithms)
         if others or _DOWNWARD.search(normal(table.names[at])):
             got = f"{table.names[at]!r}, with {others[0]}" if others else f"the depths {table.names[at]!r}"
             raise SurfaceFileError(table.name, expected="a column of heights, upward", got=got)
