@@ -171,11 +171,9 @@ def partial_slip(
 
 def _problem(lattice: Lattice, compliance: Spectrum, heights: Field, load: float) -> SpectralProblem:
     """The contact problem of a compliance under a load."""
-    stiffness = inverse(compliance)
+    stiffness, right = inverse(compliance), lattice.flat_modes(-load / lattice.sites)
     stiffness.flat[0] = 0.0
-    return SpectralProblem(
-        lattice, heights - heights.max(), stiffness, lattice.flat_modes(-load / lattice.sites)
-    )
+    return SpectralProblem(lattice, heights - heights.max(), stiffness, right)
 
 
 def _stiffness_together(lattice: Lattice, compliance: Spectrum, sites: Mask) -> float:

@@ -103,9 +103,8 @@ def rate_and_state(
     k = stiffness_of(record, stiffness)
     if record.normal is not None and k == math.inf:
         expected = "a finite one, or 'fit', as the normal stress changes, and slip with it"
-        raise InputError(
-            "stiffness", expected=expected, got=checks.shown(stiffness), cure={"stiffness": "fit"}
-        )
+        got, cure = checks.shown(stiffness), {"stiffness": "fit"}
+        raise InputError("stiffness", expected=expected, got=got, cure=cure)
     checks.choice("law", law, STATE_LAWS)
     reference = None if V_0 is None else _velocity(V_0, si=record.si)
     direct = record.a if a is None else a
@@ -164,9 +163,8 @@ class _Problem:
         differ = velocities.size > 0 and velocities.max() > STEP * velocities.min()
         if a is None and not differ:
             expected = "a number, as all slip is at one velocity, which does not show the direct effect"
-            raise InputError(
-                "a", expected=expected, got="none", cure={"a": 0.01}, advice="another of the rock"
-            )
+            cure, advice = {"a": 0.01}, "another of the rock"
+            raise InputError("a", expected=expected, got="none", cure=cure, advice=advice)
         problem = cls(record, law, reference, used, None if a is None else checks.number("a", a))
         if used.sum() < problem.count + 3:
             expected = f"at least {problem.count + 3} values for {problem.count} parameters"
@@ -232,11 +230,10 @@ class _Problem:
         shape = self.searched()
         (mu_0, b, *rest), residual = self.linear(shape)
         a = rest[0] if self.given_a is None else self.given_a
-        steps = _DIFFERENCE * np.eye(2)
-        slopes = [
-            b * (self.columns(shape + h)[:, 1] - self.columns(shape - h)[:, 1]) / (2 * _DIFFERENCE)
-            for h in steps
-        ]
+        slopes = []
+        for h in _DIFFERENCE * np.eye(2):
+            ahead, behind = self.columns(shape + h)[:, 1], self.columns(shape - h)[:, 1]
+            slopes.append(b * (ahead - behind) / (2 * _DIFFERENCE))
         jacobian = np.column_stack([self.columns(shape), *slopes])
         n, squares, friction = residual.size, float(residual @ residual), self.record.friction[self.used]
         rho, worth = independent(residual)

@@ -159,7 +159,6 @@ def _made(time: Floats, moved: dict[str, Floats], friction: Floats, how: dict[st
             got = "the load point of a machine, which slips at rest"
             raise InputError("strength_at_rest", expected="a velocity or displacement of slip", got=got)
         return Record.of_displacement(time, moved["displacement"], friction, **how)
-    del how["strength_at_rest"]
     how |= {"load_point": moved.get("load point"), "slip": moved.get("displacement")}
     return Record.of_machine(time, friction, **how)
 

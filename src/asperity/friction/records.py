@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any, TypedDict, Unpack
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,20 +18,6 @@ from asperity.friction.normal_stress import changes
 
 RUN_IN, HOLD, STEPPED = 0, 1, 2
 """Kinds of events."""
-
-
-class About(TypedDict, total=False):
-    """Other facts of a record."""
-
-    strength_at_rest: bool
-    a: float | None
-    si: bool
-    normal_stress: float | None
-    normal_force: float | None
-    normal: Floats | None
-    source: str
-    read: str
-    units: tuple[str, str]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,7 +84,7 @@ class Record(views.Brief):
 
     @classmethod
     def of_displacement(
-        cls, time: ArrayLike, displacement: ArrayLike, friction: ArrayLike, **about: Unpack[About]
+        cls, time: ArrayLike, displacement: ArrayLike, friction: ArrayLike, **about: Any
     ) -> Record:
         """Make a record of the displacement (length) in place of the velocity.
 
@@ -145,7 +131,7 @@ class Record(views.Brief):
         *,
         load_point: ArrayLike | None = None,
         slip: ArrayLike | None = None,
-        **about: Unpack[About],
+        **about: Any,
     ) -> Record:
         """Make a record of noisy measurements of a machine: load point, slip of the slider, or both.
 
@@ -157,7 +143,8 @@ class Record(views.Brief):
         """
         times, values = checks.line("time", time), checks.line("friction", friction)
         measured = {"load_point": load_point, "slip": slip}
-        places = {name: checks.line(name, place) for name, place in measured.items() if place is not None}
+        given = {name: place for name, place in measured.items() if place is not None}
+        places: dict[str, Any] = {name: checks.line(name, place) for name, place in given.items()}
         name = next(iter(places), "load_point")
         sizes = {values.size, *(place.size for place in places.values())}
         if not places or sizes != {times.size} or times.size < 3:
@@ -173,15 +160,7 @@ class Record(views.Brief):
                 return cls.of_displacement(times, places[name], values, **about)
         else:
             driven = drive_of(times, places[name])
-        record = cls(
-            times,
-            driven.per_row(times),
-            values,
-            drive=driven,
-            load_point=places.get("load_point"),
-            slip=places.get("slip"),
-            **about,
-        )
+        record = cls(times, driven.per_row(times), values, drive=driven, **places, **about)
         if (driven.velocity < 0).any():
             n, unit = int(np.argmax(driven.velocity < 0)), record.units[0]
             start, end = driven.edges(times)[n : n + 2] / record.scales[0]

@@ -36,9 +36,8 @@ _FACT = re.compile(r"(?i)(?:(columns?|names?|spalten|colonnes|units?|einheiten|u
 
 # In "Rec #;Time (s)" it ends a name, in "Area #1" it counts, and #DIV/0! is a cell of a spreadsheet.
 _COMMENT = re.compile(r"#(?![;,\t\d]|[A-Z/0?]+[!?]|N/A|NV)")
-_GLUED = re.compile(
-    r"(?<=[^\W\d_][\])])(?=[+-]?\d+\.?\d*\t)"
-)  # a header and the first row: "Voltage (V)41.3"
+# A header and the first row: "Voltage (V)41.3".
+_GLUED = re.compile(r"(?<=[^\W\d_][\])])(?=[+-]?\d+\.?\d*\t)")
 _MISSING = ("", "nan", "na", "n/a", "null", "#n/a", "#nv")  # in letters of any size
 
 _HUNDREDS = re.compile(r"[+-]?[1-9]\d\d")

@@ -192,9 +192,7 @@ def coated_half_space(
         "poisson": film.poisson,
         "thickness": coated.thickness,
         "branches": film.branches,
-        "base_modulus": base.modulus,
-        "base_poisson": base.poisson,
-        "base_branches": base.branches,
+        **{f"base_{name}": value for name, value in vars(base).items()},
     }
     creeping: tuple[CreepBranch, ...] = ()
     if film.branches or base.branches:

@@ -190,9 +190,8 @@ def _of_pixels(lattice: Lattice, integral: Callable[[Field, Field], Field], sign
 
     ``integral`` is that over y and x; ``sign`` is -1 for a function that is odd in both.
     """
-    corners = (
-        (np.arange(n // 2 + 2) - 0.5) * side for n, side in zip(lattice.shape, lattice.spacing, strict=True)
-    )
+    sides = zip(lattice.shape, lattice.spacing, strict=True)
+    corners = ((np.arange(n // 2 + 2) - 0.5) * side for n, side in sides)
     values = integral(*np.meshgrid(*corners, indexing="ij", sparse=True))
     near = np.diff(np.diff(values, axis=0), axis=1) / np.pi
     for axis, n in enumerate(lattice.shape):  # and the same at the distances before the next image

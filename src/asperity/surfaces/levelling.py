@@ -49,9 +49,8 @@ def remove_tilt(heights: Field, defined: Mask, rule: Tilt) -> tuple[Field, list[
         flat = np.zeros_like(flat)
     parts[0] += mean
     sides = [max(n - 1, 1) for n in heights.shape]
-    return flat, [
-        float(part) / math.prod(sides[a] for a in term) for part, term in zip(parts, terms, strict=True)
-    ]
+    sizes = [math.prod(sides[a] for a in term) for term in terms]
+    return flat, [float(part) / size for part, size in zip(parts, sizes, strict=True)]
 
 
 def levelled(

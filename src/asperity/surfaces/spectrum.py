@@ -43,9 +43,8 @@ _PER_DECADE = 10
 _BROAD = 5  # fewest bins of a range with a Hurst exponent: half a decade
 _FITTING_SEAM = 2.0  # largest ratio of a step at a seam to a usual one of opposite edges that fit
 _TOLERANCE = 0.1  # largest relative deviation of C from a power law, rms over the bins of its range
-_DRIFT = (
-    1.5  # largest deviation of the first or the last bins of the range from the line, standard deviations
-)
+# Largest deviation of the first or the last bins of the range from the line, standard deviations.
+_DRIFT = 1.5
 # Largest deficit of the mean power of the first bins below the line, standard deviations: where a surface
 # rolls off, the scatter of the logarithms hides that the few long waves have too little power.
 _DEFICIT = 2.5

@@ -89,9 +89,8 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
         got = repr(shortened(words[0], 60))
         raise SurfaceFileError(str(path), expected=expected, got=got, advice=advice)
     rows, others = {}, []
-    labels = [
-        shortened("".join(block.fact("channel")), 40) or "matrix" * (len(blocks) > 1) for block in blocks
-    ]
+    titles = [shortened("".join(block.fact("channel")), 40) for block in blocks]
+    labels = [title or "matrix" * (len(blocks) > 1) for title in titles]
     for name, table, block in zip(_distinct(labels), tables, blocks, strict=True):
         unit = "".join(block.fact("unit"))
         if unit and not is_length(spelled(unit)):
@@ -108,9 +107,9 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
 
 def _distinct(names: list[str]) -> list[str]:
     """Names of channels, those that occur more than once with a number."""
-    return [
-        f"{name}#{names[:i].count(name)}" * (names.count(name) > 1) or name for i, name in enumerate(names, 1)
-    ]
+    numbers = [names[:i].count(name) for i, name in enumerate(names, 1)]
+    numbered = zip(names, numbers, strict=True)
+    return [f"{name}#{number}" if names.count(name) > 1 else name for name, number in numbered]
 
 
 def _by_library(path: Path, channel: str | int | None) -> RawSurface | None:
