@@ -121,8 +121,7 @@ def check_half_space(name: str, solid: Solid, lattice: Lattice) -> float:
         return solid.modulus
     got = "a line contact" if lattice.dimension == 1 else f"a {solid.kind.replace('_', ' ')}"
     advice = "" if lattice.dimension == 1 else "asperity.solids.half_space(modulus=...)"
-    expected = "a half-space under a surface of two dimensions"
-    raise InputError(name, expected=expected, got=got, advice=advice)
+    raise InputError(name, expected="a half-space under a surface of two dimensions", got=got, advice=advice)
 
 
 def sheared(contact: Contact, shear: float | str, friction: float) -> tuple[float, float]:
@@ -142,8 +141,7 @@ def partial_slip(
     """See `Contact.partial_slip`."""
     check_half_space("partial_slip", contact.solid, contact.lattice)
     if contact.solid.adhesion is not None:
-        expected = "a solid without adhesion"
-        raise InputError("partial_slip", expected=expected, got="one with adhesion")
+        raise InputError("partial_slip", expected="a solid without adhesion", got="one with adhesion")
     force, mu = sheared(contact, shear, friction)
     ratio = None if poisson is None else checks.number("poisson", poisson, above=-1, most=0.5)
     if force >= mu * contact.load:

@@ -127,10 +127,8 @@ def _csv(laws: StateLaws, law: StateLaw) -> str:
 def _row(laws: StateLaws, fit: RateAndStateFit, estimates: Mapping[str, Estimate]) -> dict[str, object]:
     si, stress = laws.record.si, laws.record.normal_stress
     row: dict[str, object] = {"law": fit.law, **columns_of(estimates, si=si)}
-    row |= {
-        "V_0_m_per_s" if si else "V_0": float(fit.V_0),
-        "normal_stress_Pa": "" if stress is None else stress,
-    }
+    row["V_0_m_per_s" if si else "V_0"] = float(fit.V_0)
+    row["normal_stress_Pa"] = "" if stress is None else stress
     if isinstance(fit, MachineFit) or laws.record.drive is not None:
         row["stiffness_from"] = fit.stiffness_from
     return row | {"misfit": fit.rms_residual, "verdict": laws.verdict} | _origin(laws)

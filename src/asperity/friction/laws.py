@@ -165,12 +165,9 @@ def timetable(time: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats]:
     """Check times, which never fall, and velocities, not below 0."""
     times, velocities = checks.history(time=time, velocity=velocity)
     if (velocities < 0).any():
-        raise InputError(
-            "velocity",
-            expected="velocities not below 0, as the record slides in one direction",
-            got=float(velocities.min()),
-            advice="cutting the record at the reversal, or smoothing a noisy displacement",
-        )
+        expected = "velocities not below 0, as the record slides in one direction"
+        advice = "cutting the record at the reversal, or smoothing a noisy displacement"
+        raise InputError("velocity", expected=expected, got=float(velocities.min()), advice=advice)
     return times, velocities
 
 

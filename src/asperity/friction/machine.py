@@ -107,8 +107,7 @@ class Machine:
     def compared(self, point: Floats, course: Course) -> tuple[Floats, list[Floats]]:
         """mu_0 and the drift; residuals, over the noise, of friction, of segments of slip, and of kinks."""
         shape = self.shape(point)
-        elastic = course.elastic(shape)
-        friction = (self.friction - elastic)[self.used]
+        friction = (self.friction - course.elastic(shape))[self.used]
         linear = self._inverse @ friction
         parts = [(self.columns @ linear - friction) / self.noise[0]]
         if self.slip is not None:

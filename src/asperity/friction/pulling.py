@@ -86,8 +86,7 @@ def pulled_fit(
         raise InputError("record", expected=expected, got="the strength at rest")
     rows, drive = record.time.size, record.drive
     if drive is None:
-        force = record.friction * record.pressing
-        drive, _ = drive_of_slip(record.time, record.displacement, force)
+        drive, _ = drive_of_slip(record.time, record.displacement, record.friction * record.pressing)
         record = replace(record, slip=record.displacement, drive=drive, velocity=drive.per_row(record.time))
     if drive.velocity[0] == 0 and drive.kinks.size:  # steady from the middle of the first slide on
         record = record.between(float(drive.edges(record.time)[1:3].mean()))
@@ -182,12 +181,9 @@ def _middle(friction: Floats) -> int:
 
 
 def _stick_slip(text: str) -> InputError:
-    return InputError(
-        "record",
-        expected="stable sliding: below the stiffness (b - a)/D_c a slider sticks and slips, by its inertia",
-        got=text,
-        advice="a stiffer machine, a lower normal stress, or a part of the record",
-    )
+    expected = "stable sliding: below the stiffness (b - a)/D_c a slider sticks and slips, by its inertia"
+    advice = "a stiffer machine, a lower normal stress, or a part of the record"
+    return InputError("record", expected=expected, got=text, advice=advice)
 
 
 def _steady_noise(record: Record, kink: float) -> float:

@@ -176,8 +176,7 @@ def _window(time: Floats, start: object, stop: object, unit: str) -> NDArray[np.
     for name, stated, default in (("start", start, -np.inf), ("stop", stop, np.inf)):
         value = number(stated) if isinstance(stated, str) else stated
         if isinstance(value, str) and not unit:
-            expected = "a plain number, as the record has no units"
-            raise InputError(name, expected=expected, got=repr(value))
+            raise InputError(name, expected="a plain number, as the record has no units", got=repr(value))
         if isinstance(value, str):
             ends.append(si.quantity(value, "s", name))
         else:

@@ -109,12 +109,10 @@ class Record(views.Brief):
             at = int(np.argmax(falls))
             names = about.get("units", ("s", "m")) if about.get("si", True) else ("", "")
             lower, upper = places[at : at + 2] / _scales(names)[1]
-            raise InputError(
-                "displacement",
-                expected="a displacement that never falls, as the record slides in one direction",
-                got=f"{upper:.6g} after {lower:.6g} {names[1]}".rstrip(),
-                advice="Record.of_machine, which allows for noise; or cutting the record at the reversal",
-            )
+            expected = "a displacement that never falls, as the record slides in one direction"
+            got = f"{upper:.6g} after {lower:.6g} {names[1]}".rstrip()
+            advice = "Record.of_machine, which allows for noise; or cutting the record at the reversal"
+            raise InputError("displacement", expected=expected, got=got, advice=advice)
         durations = np.diff(times)
         with np.errstate(invalid="ignore", divide="ignore"):
             velocity = np.append(np.nan, np.diff(places) / durations)

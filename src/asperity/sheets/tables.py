@@ -150,8 +150,7 @@ def _dialects(lines: list[str], stated: str) -> Sequence[tuple[str, str]]:
     tabbed = [line for line in lines if "\t" in line.strip(" ")]
     by_tabs = 2 * len(tabbed) > len(lines) and not any(re.search(r"\d +[-+.\d]", line) for line in tabbed)
     left_out = " " if by_tabs else ""
-    possible = [one for one in _DIALECTS if one[0] != left_out and stated in ("", one[0])]
-    return possible or _DIALECTS
+    return [one for one in _DIALECTS if one[0] != left_out and stated in ("", one[0])] or _DIALECTS
 
 
 def _separated(

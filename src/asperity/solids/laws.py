@@ -34,8 +34,7 @@ class Numbers:
     def __post_init__(self) -> None:
         for field_ in fields(self):  # type: ignore[arg-type]
             if field_.type == "float":
-                value = checks.number(field_.name, getattr(self, field_.name))
-                object.__setattr__(self, field_.name, value)
+                object.__setattr__(self, field_.name, checks.number(field_.name, getattr(self, field_.name)))
 
 
 @dataclass(frozen=True)

@@ -83,8 +83,7 @@ def levelled(
 def _medians(heights: Field, defined: Mask) -> Field:
     """Median of the defined pixels of each row, shape (rows, 1); 0 for a row without any."""
     if heights.ndim == 1:
-        expected = "'none' for a profile, which is a single line"
-        raise InputError("lines", expected=expected, got="'median'")
+        raise InputError("lines", expected="'none' for a profile, which is a single line", got="'median'")
     measured = np.where(defined, heights, np.nan)
     measured[~defined.any(axis=1)] = 0.0
     return np.asarray(np.nanmedian(measured, axis=1, keepdims=True))

@@ -13,11 +13,8 @@ from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 
 # Other spellings of units; the third of um is UTF-8 read as Latin-1.
-_SPELLINGS = {
-    "um": ("\u00b5m", "\u03bcm", "\u00c2\u00b5m"),
-    "angstrom": ("\u00c5", "\u212b"),
-    "1": ("",),
-}
+_SPELLINGS = {"": "1"} | dict.fromkeys(("\u00b5m", "\u03bcm", "\u00c2\u00b5m"), "um")
+_SPELLINGS |= dict.fromkeys(("\u00c5", "\u212b"), "angstrom")
 _ROUNDING = 1e-12  # rms of a flat surface without its tilt, over its largest height; relative error of waves
 _SQUARE = 0.01  # pixels are square if their sides differ by no more than this part
 _BORDER = 0.1  # part of an axis, on either side, over which "taper" brings heights to their mean
@@ -29,7 +26,7 @@ def spelled(unit: str | None) -> str:
         return unit
     unit = (unit or "").strip()
     unit = units.spelled(unit) or unit.lower()  # nobody means megameters
-    return next((ours for ours, theirs in _SPELLINGS.items() if unit in theirs), unit)
+    return _SPELLINGS.get(unit, unit)
 
 
 def part_of(

@@ -86,8 +86,7 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
         number = 1 + [line.strip() for line in lines].index(words[0])
         expected = f"only numbers, or a header of a known kind, in line {number}"
         advice = "a # before header lines, and NaN for undefined pixels"
-        got = repr(shortened(words[0], 60))
-        raise SurfaceFileError(str(path), expected=expected, got=got, advice=advice)
+        raise SurfaceFileError(str(path), expected=expected, got=repr(shortened(words[0], 60)), advice=advice)
     rows, others = {}, []
     titles = [shortened("".join(block.fact("channel")), 40) for block in blocks]
     labels = [title or "matrix" * (len(blocks) > 1) for title in titles]
