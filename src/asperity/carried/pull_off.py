@@ -303,11 +303,9 @@ class _Bond:
         gap = self._moved(free[0])[sites] - self.target[sites], 1.0 - self._moved(free[1])[sites]
         places, others = np.argwhere(layer), np.argwhere(sites)
         last = 2 * np.array(layer.shape) - 1
-        images = [np.where(flipped, last - others, others) for flipped in self.flips]
-        one, other = (
-            scipy.spatial.KDTree(at * self.sides, boxsize=self.around)
-            for at in (places, np.concatenate(images))
-        )
+        images = np.concatenate([np.where(flipped, last - others, others) for flipped in self.flips])
+        both = (places * self.sides, images * self.sides)
+        one, other = (scipy.spatial.KDTree(points, boxsize=self.around) for points in both)
         near = one.sparse_distance_matrix(other, 3 * TUNING.smoothing, output_type="coo_matrix")
         weight = np.exp(-0.5 * (near.data / TUNING.smoothing) ** 2)
         shape = len(places), len(others)

@@ -184,10 +184,8 @@ def compare_state_laws(
         decided = float(log_ratio.low) > 0 or float(log_ratio.high) < 0
         for n, law in enumerate(STATE_LAWS):
             if fits[law].determined:
-                estimates[law] = {
-                    name: jackknifed.part(at, scale=name == "D_c")
-                    for at, name in enumerate(PARAMETERS, n * len(PARAMETERS))
-                }
+                places = enumerate(PARAMETERS, n * len(PARAMETERS))
+                estimates[law] = {name: jackknifed.part(at, scale=name == "D_c") for at, name in places}
         delta = likelihood = math.nan
         worth = min(fit.effective_points for fit in fits.values())
     return StateLaws(

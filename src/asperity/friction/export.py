@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -71,17 +72,14 @@ def _origin(laws: StateLaws) -> dict[str, object]:
 def _toml(laws: StateLaws, law: StateLaw) -> str:
     units = (_UNITS if laws.record.si else _OWN_UNITS) | {"normal_stress": "Pa"}
     estimates = laws.estimates
-    values: dict[str, dict[str, float]] = {
-        each: {name: float(x.value) for name, x in estimates[each].items()} for each in STATE_LAWS
-    }
+    values = {each: {name: float(x.value) for name, x in found.items()} for each, found in estimates.items()}
+    intervals = {name: [float(x.low), float(x.high)] for name, x in estimates[law].items()}
     parameters = {**values[law], "V_0": float(laws.fits[law].V_0)}
     if laws.record.normal_stress is not None:
         parameters["normal_stress"] = float(laws.record.normal_stress)
-    tables: dict[str, dict[str, object]] = {
+    tables: dict[str, Any] = {
         "parameters": {"law": law, **parameters},
-        f"intervals_{'at_least_' * laws.fits[law].at_least}95": {
-            name: [float(x.low), float(x.high)] for name, x in estimates[law].items()
-        },
+        f"intervals_{'at_least_' * laws.fits[law].at_least}95": intervals,
         "units": {name: units.get(name, "1") for name in parameters},
         "laws": {"verdict": laws.verdict, "ln_ratio_of_squares": float(laws.log_ratio.value), **values},
         "origin": _origin(laws),

@@ -67,10 +67,8 @@ class Machine:
 
     def shape(self, point: Floats) -> Shape:
         """The parameters at a point of the search."""
-        sizes = {
-            name: value if name in LINEAR else np.exp(value)
-            for name, value in zip(self.names, point, strict=False)
-        }
+        searched = zip(self.names, point, strict=False)
+        sizes = {name: value if name in LINEAR else np.exp(value) for name, value in searched}
         return Shape(**{"a": self.a, "k": self.k, "alpha": self.alpha} | sizes)
 
     def moved(self, point: Floats) -> Drive:

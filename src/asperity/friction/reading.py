@@ -106,12 +106,11 @@ def read_record(
         The columns are not understood, only some have units, the normal stress is not above 0, or the load
         point goes back.
     """
+    table: Table | Path | str = path
     if is_xlook(Path(path)):
-        table: Table | Path | str = read_xlook(Path(path), calibration)
+        table = read_xlook(Path(path), calibration)
     elif calibration is not None:
         raise InputError("calibration", expected="none, as a table states its units", got=str(calibration))
-    else:
-        table = path
     columns_read = Columns(table, ROLES, columns, units)
     by_role, name = columns_read.by_role, columns_read.table.name
     ratios = [kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(by_role)]
@@ -138,11 +137,8 @@ def read_record(
             values, unit = columns_read.values(part, bare=bare)[kept], columns_read.unit(part)
             how["normal"] = _changing(time[kept], values, part, unit, name, binary=isinstance(table, Table))
             how |= {part.replace(" ", "_"): float(values.mean())} if unit else {}
-    if parts:
-        shear, normal = (columns_read.values(part, bare=bare)[kept] for part in parts)
-        friction = shear / normal
-    else:
-        friction = columns_read.values("friction")[kept]
+    numbers = [columns_read.values(part, bare=bare)[kept] for part in parts or ["friction"]]
+    friction = numbers[0] / numbers[1] if parts else numbers[0]
     lengths = [columns_read.unit(role).partition("/")[0] for role in motions]
     how |= {"read": columns_read.read, "units": (columns_read.unit("time"), lengths[0])}
     try:

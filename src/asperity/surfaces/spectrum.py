@@ -191,10 +191,8 @@ def power_spectrum(
     least = 0.0 if fits else 6 * math.pi / min(n * s for n, s in zip(heights.shape, sizes, strict=True))
     most = math.pi / max(sizes)  # beyond it only waves of some directions are on the lattice
     bins = _binned(q.ravel(), power.ravel(), least, most, 1.0 if fits else _HANN**heights.ndim)
-    along = tuple(
-        _along(np.moveaxis(level, axis, -1), size, window, 1 if fits else 3)
-        for axis, (size, window) in enumerate(zip(sizes, windows, strict=True))
-    )
+    sides = enumerate(zip(sizes, windows, strict=True))
+    along = tuple(_along(np.moveaxis(level, axis, -1), *side, 1 if fits else 3) for axis, side in sides)
     profiles = [_binned(*each, 0.0, each[0].max(initial=0.0), 1.0 if fits else _HANN) for each in along]
     return PowerSpectrum(
         wave_number=bins.q,
