@@ -105,13 +105,12 @@ def read_table(
     if not lines:
         wanted, got = ("a matrix", "no number at all") if matrix else ("a table", "no line besides comments")
         raise fail(expected=f"{wanted} of numbers", got=got)
-    first, header, width = 0, -1, 0
+    first, header, width = 0, -1, len(_cells(lines[0][1], separator))
     if not matrix:
         if shares[best] <= _ONE_COLUMN:
             got = "one" if shares[best] else f"{lines[-1][1].strip()[:40]!r}"
             raise fail(expected="two columns of numbers or more", got=got)
         first, header, width = _beginning([line for _, line in lines], looked_at, separator, decimal)
-    width = width or len(_cells(lines[first][1], separator))
     if not matrix and separator == "," and header >= 0 and 2 * len(_cells(lines[header][1], ",")) == width:
         number, line = lines[first]
         expected = f"semicolons or tabs between numbers with decimal commas, in line {number}"
@@ -228,7 +227,7 @@ def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) 
             break
     named = [at for at, pair in enumerate(shapes) if pair == (width, 0.0) and lines[at].strip(separator)]
     first = next(at for at, (_, share) in enumerate(shapes) if share and at > max(named, default=-1))
-    return (first, named[-1], width) if named else (first, first - 1, 0)
+    return (first, named[-1], width) if named else (first, first - 1, shapes[first][0])
 
 
 def _check_one_block(notes: list[tuple[int, str]], fail: Callable[..., InputError]) -> None:

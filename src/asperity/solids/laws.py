@@ -151,7 +151,8 @@ def compliance_of_pixels(lattice: Lattice) -> Spectrum:
     of an infinite half-space. That the sums in the empty space are of nothing real does no harm, as it has
     neither forces nor heights. The spectrum is positive, a length.
     """
-    return _of_pixels(lattice, _from_origin)
+    # The integral over the rectangle between the origin and (y, x).
+    return _of_pixels(lattice, lambda y, x: x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y)))
 
 
 @lru_cache(maxsize=1)
@@ -197,8 +198,3 @@ def _of_pixels(lattice: Lattice, integral: Callable[[Field, Field], Field], sign
         mirrored = np.flip(np.take(near, np.arange(1, (n + 1) // 2), axis), axis)
         near = np.concatenate((near, sign * mirrored), axis)
     return np.ascontiguousarray(scipy.fft.rfftn(near).real)
-
-
-def _from_origin(y: Field, x: Field) -> Field:
-    """Integral of 1 / r over the rectangle between the origin and (y, x)."""
-    return np.asarray(x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y)))
