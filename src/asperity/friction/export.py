@@ -45,7 +45,8 @@ def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None 
     from asperity.results.store import whole_file  # late, as it brings the solvers
 
     checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(record)")
-    target, preferred = expanded(path), checks.choice("law", law or found.preferred, STATE_LAWS)
+    target = expanded(path)
+    preferred = checks.choice("law", found.preferred if law is None else law, STATE_LAWS)
     writers = {".toml": _toml, ".csv": _csv}
     if target.suffix.lower() not in writers:
         raise InputError("path", expected="a name that ends in .toml or .csv", got=target)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -233,10 +234,7 @@ def _result(
     values = {"stiffness" if name == "k" else name: value for name, value in values.items()}
     residual = -machine.noise[0] * friction
     at_edge = machine.at_edge(point)
-
-    def whole_course(values: Floats) -> Floats:
-        return np.concatenate([np.full(first, np.nan), values])
-
+    whole_course = partial(np.pad, pad_width=(first, 0), constant_values=np.nan)
     return MachineFit(
         **described(
             residual,
