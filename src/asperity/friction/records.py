@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +18,20 @@ from asperity.friction.normal_stress import changes
 
 RUN_IN, HOLD, STEPPED = 0, 1, 2
 """Kinds of events."""
+
+
+class About(TypedDict, total=False):
+    """Other facts of a record."""
+
+    strength_at_rest: bool
+    a: float | None
+    si: bool
+    normal_stress: float | None
+    normal_force: float | None
+    normal: Floats | None
+    source: str
+    read: str
+    units: tuple[str, str]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,7 +98,7 @@ class Record(views.Brief):
 
     @classmethod
     def of_displacement(
-        cls, time: ArrayLike, displacement: ArrayLike, friction: ArrayLike, **about: Any
+        cls, time: ArrayLike, displacement: ArrayLike, friction: ArrayLike, **about: Unpack[About]
     ) -> Record:
         """Make a record of the displacement (length) in place of the velocity.
 
@@ -129,7 +143,7 @@ class Record(views.Brief):
         *,
         load_point: ArrayLike | None = None,
         slip: ArrayLike | None = None,
-        **about: Any,
+        **about: Unpack[About],
     ) -> Record:
         """Make a record of noisy measurements of a machine: load point, slip of the slider, or both.
 
