@@ -416,7 +416,7 @@ def test_points_of_one_line_are_a_profile(constant):
     np.testing.assert_allclose(profile.heights, heights if constant else heights[::-1])
 
 
-@pytest.mark.parametrize("name", ["z*1000", "z/1000", "log z", "Profiltiefe", "profile depth"])
+@pytest.mark.parametrize("name", ["z*1000", "z/1000", "log z", "ln_z", "Profiltiefe", "profile depth"])
 def test_columns_of_other_numbers_are_no_heights(name):
     rows = "".join(f"{0.5 * n};{n % 3}\n" for n in range(20))
     with pytest.raises(SurfaceFileError):

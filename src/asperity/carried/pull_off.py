@@ -142,7 +142,12 @@ def pull_off(contact: Contact, work: float | str) -> PullOff:
     if contact.area == 0 or _is_full(contact):
         got = "full contact" if contact.area else "no site in contact"
         raise InputError("pull_off", expected="a partial contact", got=got, advice="another load")
-    return _pulled(contact, w)
+    opened = np.full(contact.relative[2].shape, np.nan)
+    apart, force, area = np.transpose(_Bond(contact, w).way(opened))
+    opened = contact.lattice.embedding.cut(opened)
+    result = PullOff(w, -float(force.min()), -apart, force, area.astype(int), opened, contact)
+    _remark_on(contact, result)
+    return result
 
 
 def pull_off_force(contact: Contact, work: float | str) -> float:
@@ -151,7 +156,7 @@ def pull_off_force(contact: Contact, work: float | str) -> float:
     if _is_full(contact):
         remark("full contact has no pull-off force: it is missing at such times")
         return math.nan
-    return _pulled(contact, w).force if contact.area else 0.0
+    return pull_off(contact, w).force if contact.area else 0.0
 
 
 def _is_full(contact: Contact) -> bool:
@@ -171,16 +176,6 @@ def _checked(contact: Contact, work: float | str) -> float:
         expected, advice = "a solid without adhesion", "asperity.pull(contact)"
         raise InputError("pull_off", expected=expected, got="one with adhesion", advice=advice)
     return checks.number("work", units.converted("work", work, "J/m^2", si=contact.si), above=0)
-
-
-def _pulled(contact: Contact, w: float) -> PullOff:
-    opened = np.full(contact.relative[2].shape, np.nan)
-    way = np.array(list(_Bond(contact, w).way(opened)))
-    apart, force, area = way.T
-    opened = contact.lattice.embedding.cut(opened)
-    result = PullOff(w, -float(force.min()), -apart, force, area.astype(int), opened, contact)
-    _remark_on(contact, result)
-    return result
 
 
 def _remark_on(contact: Contact, pull: PullOff) -> None:
@@ -308,11 +303,9 @@ class _Bond:
         gap = self._moved(free[0])[sites] - self.target[sites], 1.0 - self._moved(free[1])[sites]
         places, others = np.argwhere(layer), np.argwhere(sites)
         last = 2 * np.array(layer.shape) - 1
-        images = [np.where(flipped, last - others, others) for flipped in self.flips]
-        one, other = (
-            scipy.spatial.KDTree(at * self.sides, boxsize=self.around)
-            for at in (places, np.concatenate(images))
-        )
+        images = np.concatenate([np.where(flipped, last - others, others) for flipped in self.flips])
+        both = (places * self.sides, images * self.sides)
+        one, other = (scipy.spatial.KDTree(points, boxsize=self.around) for points in both)
         near = one.sparse_distance_matrix(other, 3 * TUNING.smoothing, output_type="coo_matrix")
         weight = np.exp(-0.5 * (near.data / TUNING.smoothing) ** 2)
         shape = len(places), len(others)

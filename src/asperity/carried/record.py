@@ -53,5 +53,4 @@ def maps(carried: Carried, contact: Contact) -> dict[str, Mask]:
     force, mu = sheared(contact, carried.shear, carried.friction_coefficient)
     if force >= mu * contact.load:  # it slides
         return {"stick": np.zeros(contact.heights.shape, dtype=bool)}
-    slip = contact.partial_slip(force, mu, carried.poisson, carried.along or "x")
-    return {"stick": slip.stick}
+    return {"stick": contact.partial_slip(force, mu, carried.poisson, carried.along or "x").stick}

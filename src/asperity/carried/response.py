@@ -121,8 +121,7 @@ def check_half_space(name: str, solid: Solid, lattice: Lattice) -> float:
         return solid.modulus
     got = "a line contact" if lattice.dimension == 1 else f"a {solid.kind.replace('_', ' ')}"
     advice = "" if lattice.dimension == 1 else "asperity.solids.half_space(modulus=...)"
-    expected = "a half-space under a surface of two dimensions"
-    raise InputError(name, expected=expected, got=got, advice=advice)
+    raise InputError(name, expected="a half-space under a surface of two dimensions", got=got, advice=advice)
 
 
 def sheared(contact: Contact, shear: float | str, friction: float) -> tuple[float, float]:
@@ -142,8 +141,7 @@ def partial_slip(
     """See `Contact.partial_slip`."""
     check_half_space("partial_slip", contact.solid, contact.lattice)
     if contact.solid.adhesion is not None:
-        expected = "a solid without adhesion"
-        raise InputError("partial_slip", expected=expected, got="one with adhesion")
+        raise InputError("partial_slip", expected="a solid without adhesion", got="one with adhesion")
     force, mu = sheared(contact, shear, friction)
     ratio = None if poisson is None else checks.number("poisson", poisson, above=-1, most=0.5)
     if force >= mu * contact.load:
@@ -171,11 +169,9 @@ def partial_slip(
 
 def _problem(lattice: Lattice, compliance: Spectrum, heights: Field, load: float) -> SpectralProblem:
     """The contact problem of a compliance under a load."""
-    stiffness = inverse(compliance)
+    stiffness, right = inverse(compliance), lattice.flat_modes(-load / lattice.sites)
     stiffness.flat[0] = 0.0
-    return SpectralProblem(
-        lattice, heights - heights.max(), stiffness, lattice.flat_modes(-load / lattice.sites)
-    )
+    return SpectralProblem(lattice, heights - heights.max(), stiffness, right)
 
 
 def _stiffness_together(lattice: Lattice, compliance: Spectrum, sites: Mask) -> float:

@@ -81,9 +81,8 @@ class Shear:
     def _applied(self, spectra: tuple[Spectrum, Spectrum, Spectrum], fields: Field, axis: int) -> Field:
         yy, yx, xx = spectra
         y, x = (self._modes(part, odd=n != axis) for n, part in enumerate(fields))
-        return np.stack(
-            [self._field(yy * y + yx * x, odd=axis == 1), self._field(yx * y + xx * x, odd=axis == 0)]
-        )
+        parts = yy * y + yx * x, yx * y + xx * x
+        return np.stack([self._field(part, odd=n != axis) for n, part in enumerate(parts)])
 
     def held(self, sites: Mask, axis: int) -> Field:
         """Forces along y and x, shape ``(2, *shape)``, that displace the sites by 1 along an axis."""

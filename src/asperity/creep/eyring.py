@@ -18,27 +18,11 @@ from asperity.errors import InputError
 _BOLTZMANN = 1.380649e-23
 """J/K, exact in the SI; without scipy, whose import would delay the help of commands."""
 
-_BLOCK = 2**13
-"""Number of stresses that stay in the cache."""
-
 _SMALLEST_RATE = 1e-290
 """Rate below which double precision loses digits."""
 
 
-_Energy = Annotated[
-    float | str,
-    Gt(0),
-    Quantity(
-        "energy of activation Q; with the next three keys v0 = prefactor exp(-Q/kT) and s0 = kT/volume.", "J"
-    ),
-]
-_Volume = Annotated[float | str, Gt(0), Quantity("volume of activation", "m^3")]
-_Prefactor = Annotated[
-    float | str,
-    Gt(0),
-    Quantity("velocity of creep at infinite temperature, v0 far above Q = kT.", "m/s"),
-]
-_Temperature = Annotated[float | str, Gt(0), Quantity("temperature of thermally activated creep.", "K")]
+_Positive = Annotated[float | str, Gt(0)]
 
 
 @dataclass(frozen=True)
@@ -79,10 +63,19 @@ class Eyring(LocalCreep):
     def activated(
         cls,
         *,
-        energy: _Energy,
-        volume: _Volume,
-        temperature: _Temperature,
-        prefactor: _Prefactor,
+        energy: Annotated[
+            _Positive,
+            Quantity(
+                "energy of activation Q; with the next three keys v0 = prefactor exp(-Q/kT) and "
+                "s0 = kT/volume.",
+                "J",
+            ),
+        ],
+        volume: Annotated[_Positive, Quantity("volume of activation", "m^3")],
+        temperature: Annotated[_Positive, Quantity("temperature of thermally activated creep.", "K")],
+        prefactor: Annotated[
+            _Positive, Quantity("velocity of creep at infinite temperature, v0 far above Q = kT.", "m/s")
+        ],
     ) -> Eyring:
         r"""From activation energy Q and volume Omega: v0 = prefactor exp(-Q/kT), s0 = kT/Omega.
 
@@ -108,12 +101,8 @@ class Eyring(LocalCreep):
         barrier = units.number("energy", energy, "J", above=0)
         rate = before * math.exp(-barrier / thermal)
         if rate < _SMALLEST_RATE:
-            raise InputError(
-                "energy",
-                expected="an activation energy of at most some hundred kT",
-                got=f"{barrier / thermal:.0f} kT",
-                advice="a higher temperature",
-            )
+            expected, got = "an activation energy of at most some hundred kT", f"{barrier / thermal:.0f} kT"
+            raise InputError("energy", expected=expected, got=got, advice="a higher temperature")
         return cls(rate, thermal / omega)
 
     @property
@@ -128,14 +117,5 @@ class Eyring(LocalCreep):
 
     def velocity(self, stress: Floats) -> tuple[Floats, Floats]:
         """See `LocalCreep`; constant beyond `greatest_stress`, which is refused."""
-        stress = np.ascontiguousarray(stress)
-        rate, slope = np.empty_like(stress), np.empty_like(stress)
-        flat = [field.reshape(-1) for field in (stress, rate, slope)]
-        for start in range(0, stress.size, _BLOCK):
-            s, v, dv = (field[start : start + _BLOCK] for field in flat)
-            x = np.clip(s / self.stress, -LARGEST_EXPONENT, LARGEST_EXPONENT)
-            np.sinh(x, out=v)
-            np.cosh(x, out=dv)
-            v *= self.rate
-            dv *= self.rate / self.stress
-        return rate, slope
+        x = np.clip(stress / self.stress, -LARGEST_EXPONENT, LARGEST_EXPONENT)
+        return self.rate * np.sinh(x), self.rate / self.stress * np.cosh(x)

@@ -54,10 +54,7 @@ class Norton(LocalCreep):
 
     def velocity(self, stress: Floats) -> tuple[Floats, Floats]:
         """See `LocalCreep`."""
-        rate = np.abs(np.asarray(stress, dtype=float))
-        rate /= self.stress
-        slope = rate ** (self.exponent - 1.0)
-        rate *= slope
-        rate *= self.rate
-        slope *= self.rate * self.exponent / self.stress
-        return np.copysign(rate, stress), slope
+        x = np.abs(stress) / self.stress
+        power = x ** (self.exponent - 1.0)
+        slope = self.rate * self.exponent / self.stress * power
+        return np.copysign(x * power * self.rate, stress), slope

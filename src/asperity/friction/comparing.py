@@ -184,10 +184,8 @@ def compare_state_laws(
         decided = float(log_ratio.low) > 0 or float(log_ratio.high) < 0
         for n, law in enumerate(STATE_LAWS):
             if fits[law].determined:
-                estimates[law] = {
-                    name: jackknifed.part(at, scale=name == "D_c")
-                    for at, name in enumerate(PARAMETERS, n * len(PARAMETERS))
-                }
+                places = enumerate(PARAMETERS, n * len(PARAMETERS))
+                estimates[law] = {name: jackknifed.part(at, scale=name == "D_c") for at, name in places}
         delta = likelihood = math.nan
         worth = min(fit.effective_points for fit in fits.values())
     return StateLaws(
@@ -216,10 +214,9 @@ def _doubt(fits: Mapping[StateLaw, RateAndStateFit], free: Mapping[StateLaw, Rat
 def _check_same(first: Record, other: Record) -> None:
     for name in ("time", "velocity"):
         mine, theirs = getattr(first, name), getattr(other, name)
-        if mine.size != theirs.size or not np.allclose(
-            mine, theirs, rtol=_SAME, atol=_SAME * np.abs(mine).max()
-        ):
-            got = f"{theirs.size} and {mine.size} times" if mine.size != theirs.size else f"another {name}"
+        as_many, off = mine.size == theirs.size, _SAME * np.abs(mine).max()
+        if not (as_many and np.allclose(mine, theirs, rtol=_SAME, atol=off)):
+            got = f"another {name}" if as_many else f"{theirs.size} and {mine.size} times"
             expected = "records of one protocol, at the same times and velocities"
             raise InputError("records", expected=expected, got=got, advice="a call for each record")
 

@@ -54,18 +54,16 @@ def events_of(record: Record) -> list[Event]:
         if speeds[n - 1] == 0 or (rests and n + 1 == len(speeds)):
             continue
         last, start = n + rests, (edges[n - 1] + edges[n]) / 2
-        kind: Literal["hold", "step"] = "hold" if rests else "step"
         times = edges[n], edges[last], speeds[n - 1], speeds[last], start, edges[last + 1]
-        events.append(Event(len(events) + 1, kind, *times))
+        events.append(Event(len(events) + 1, "hold" if rests else "step", *times))
     return events
 
 
 def rows_of(record: Record, events: object) -> NDArray[np.bool_]:
     """Mask of the rows of the run-in and of such events, shape (n,); `InputError` without such events."""
-    if events not in _EVENTS:
-        raise InputError("events", expected="'all', 'holds' or 'steps'", got=checks.shown(events))
+    needed, wanted = _EVENTS[checks.choice("events", events, tuple(_EVENTS))]
     _refuse_noise(record)
-    (needed, wanted), kinds = _EVENTS[str(events)], record.events
+    kinds = record.events
     rests = bool((record.velocity[1:] == 0).any())
     found = (rests and HOLD in wanted) or (STEPPED in wanted and (kinds == STEPPED).any())
     if not (found or (record.presses_anew and events == "all")):
@@ -81,12 +79,10 @@ def _refuse_noise(record: Record) -> None:
     edges = np.flatnonzero(np.diff(np.concatenate([[False], record.velocity == 0, [False]]).astype(int)))
     many = int(np.count_nonzero(edges[1::2] - edges[::2] <= _SHORT))
     if many > _FEW and not record.strength_at_rest:
-        raise InputError(
-            "record",
-            expected="rests of the machine, longer than two rows",
-            got=f"{many} short ones, as noise or rounding of the displacement makes them",
-            advice="asperity.friction.Record.of_machine(time, friction, slip=...), which allows for noise",
-        )
+        expected = "rests of the machine, longer than two rows"
+        got = f"{many} short ones, as noise or rounding of the displacement makes them"
+        advice = "asperity.friction.Record.of_machine(time, friction, slip=...), which allows for noise"
+        raise InputError("record", expected=expected, got=got, advice=advice)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

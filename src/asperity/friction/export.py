@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -20,7 +21,7 @@ from asperity.errors import InputError
 from asperity.fits import Estimate
 from asperity.friction.comparing import StateLaws
 from asperity.friction.events import Event
-from asperity.friction.laws import STATE_LAWS, StateLaw, state_law
+from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.friction.parameters import MachineFit, RateAndStateFit
 from asperity.friction.records import Record
 
@@ -44,7 +45,8 @@ def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None 
     from asperity.results.store import whole_file  # late, as it brings the solvers
 
     checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(record)")
-    target, preferred = expanded(path), found.preferred if law is None else state_law(law)
+    target = expanded(path)
+    preferred = checks.choice("law", found.preferred if law is None else law, STATE_LAWS)
     writers = {".toml": _toml, ".csv": _csv}
     if target.suffix.lower() not in writers:
         raise InputError("path", expected="a name that ends in .toml or .csv", got=target)
@@ -71,17 +73,14 @@ def _origin(laws: StateLaws) -> dict[str, object]:
 def _toml(laws: StateLaws, law: StateLaw) -> str:
     units = (_UNITS if laws.record.si else _OWN_UNITS) | {"normal_stress": "Pa"}
     estimates = laws.estimates
-    values: dict[str, dict[str, float]] = {
-        each: {name: float(x.value) for name, x in estimates[each].items()} for each in STATE_LAWS
-    }
+    values = {each: {name: float(x.value) for name, x in found.items()} for each, found in estimates.items()}
+    intervals = {name: [float(x.low), float(x.high)] for name, x in estimates[law].items()}
     parameters = {**values[law], "V_0": float(laws.fits[law].V_0)}
     if laws.record.normal_stress is not None:
         parameters["normal_stress"] = float(laws.record.normal_stress)
-    tables: dict[str, dict[str, object]] = {
+    tables: dict[str, Any] = {
         "parameters": {"law": law, **parameters},
-        f"intervals_{'at_least_' * laws.fits[law].at_least}95": {
-            name: [float(x.low), float(x.high)] for name, x in estimates[law].items()
-        },
+        f"intervals_{'at_least_' * laws.fits[law].at_least}95": intervals,
         "units": {name: units.get(name, "1") for name in parameters},
         "laws": {"verdict": laws.verdict, "ln_ratio_of_squares": float(laws.log_ratio.value), **values},
         "origin": _origin(laws),
@@ -127,10 +126,8 @@ def _csv(laws: StateLaws, law: StateLaw) -> str:
 def _row(laws: StateLaws, fit: RateAndStateFit, estimates: Mapping[str, Estimate]) -> dict[str, object]:
     si, stress = laws.record.si, laws.record.normal_stress
     row: dict[str, object] = {"law": fit.law, **columns_of(estimates, si=si)}
-    row |= {
-        "V_0_m_per_s" if si else "V_0": float(fit.V_0),
-        "normal_stress_Pa": "" if stress is None else stress,
-    }
+    row["V_0_m_per_s" if si else "V_0"] = float(fit.V_0)
+    row["normal_stress_Pa"] = "" if stress is None else stress
     if isinstance(fit, MachineFit) or laws.record.drive is not None:
         row["stiffness_from"] = fit.stiffness_from
     return row | {"misfit": fit.rms_residual, "verdict": laws.verdict} | _origin(laws)

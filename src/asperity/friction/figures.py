@@ -15,7 +15,7 @@ from asperity.base.words import uncertain
 from asperity.errors import InputError
 from asperity.figures import style
 from asperity.friction.comparing import StateLaws
-from asperity.friction.laws import STATE_LAWS, StateLaw
+from asperity.friction.laws import StateLaw
 from asperity.friction.parameters import MachineFit
 
 _LINES: dict[StateLaw, tuple[str, str]] = {"aging": (style.BLUE, "-"), "slip": (style.VERMILION, "--")}
@@ -65,25 +65,24 @@ def events_figure(table: pd.DataFrame) -> style.Drawing:
     table
         What `events_table` returned, or published fits with such columns: displacement, a, a_low, a_high ...
     """
-    si = "displacement_m" in table
-    ends, unit = ("_m", "m") if si else ("", "")
+    ends, unit = ("_m", "m") if "displacement_m" in table else ("", "length")
     names = [f"{n}{end}{ends * (n == 'D_c')}" for n in _FITTED for end in ("", "_low", "_high")]
     if missing := {f"displacement{ends}", *names} - set(table):
         expected, advice = "a table of events", "asperity.friction.events_table(fits, record)"
         raise InputError("table", expected=expected, got=f"none of {min(missing)}", advice=advice)
     if "determined" in table:
         known = table["determined"] == True  # noqa: E712, missing is no truth
-        lengths = [name for name in names if name.startswith("D_c")]
-        table = table.assign(**{name: table[name].where(known) for name in lengths})
+        table = table.assign(**{name: table[name].where(known) for name in names if name.startswith("D_c")})
     figure, panels = style.stacked((style.COLUMN, 4.4), 1, 1, 1)
-    along, scale = _length("displacement of the load point", table[f"displacement{ends}"], unit)
-    of_length, longer = _length("$D_c$", table[f"D_c{ends}"], unit)
+    places, lengths = table[f"displacement{ends}"], table[f"D_c{ends}"]
+    along, scale = style.scaled("displacement of the load point", unit, float(places.max()))
+    of_length, longer = style.scaled("$D_c$", unit, float(lengths.max()))
     for name, (sign, at, color, mark) in _FITTED.items():
         end, factor = (ends, longer) if name == "D_c" else ("", 1.0)
         middle, low, high = (factor * table[f"{name}{side}{end}"] for side in ("", "_low", "_high"))
         look: dict[str, Any] = {"color": color, "markersize": 3, "linewidth": 0.9, "label": sign}
         errors = np.array([middle - low, high - middle])
-        panels[at].errorbar(scale * table[f"displacement{ends}"], middle, errors, fmt=mark, **look)
+        panels[at].errorbar(scale * places, middle, errors, fmt=mark, **look)
         panels[at].set_ylabel(of_length if name == "D_c" else sign)
     panels[0].set_ylabel("$a$, $b$")
     panels[1].axhline(0, color=style.INK, linewidth=0.8)
@@ -96,26 +95,18 @@ def events_figure(table: pd.DataFrame) -> style.Drawing:
     return figure
 
 
-def _length(quantity: str, values: pd.Series[float], unit: str) -> tuple[str, float]:
-    """Label of an axis of lengths, and their factor."""
-    if not unit:
-        return f"{quantity} [length]", 1.0
-    return style.scaled(quantity, unit, float(values.max()))
-
-
 @style.panels_of.register
 def _(found: StateLaws) -> dict[str, style.Panel]:
     fit = found.fits[found.preferred]
-    slip, label, factor = found.record.displacement, "slip [length of the record]", 1.0
-    if isinstance(fit, MachineFit):
-        slip, label = fit.slip, "slip of the fit [length of the record]"
-    if found.record.si:
-        label, factor = style.scaled(label.partition(" [")[0], "m", float(np.nanmax(slip)))
-    slip = factor * slip
+    slip, quantity = found.record.displacement, "slip"
     draws = {"record": _draw_record, "residuals": _draw_residuals}
     if isinstance(fit, MachineFit):
+        slip, quantity = fit.slip, "slip of the fit"
         draws["state"] = _draw_state
-    panels = {kind: style.Panel(partial(draw, laws=found, slip=slip), label) for kind, draw in draws.items()}
+    unit = "m" if found.record.si else "length of the record"
+    label, factor = style.scaled(quantity, unit, float(np.nanmax(slip)))
+    drawn = {kind: partial(draw, laws=found, slip=factor * slip) for kind, draw in draws.items()}
+    panels = {kind: style.Panel(draw, label) for kind, draw in drawn.items()}
     if found.peaks().duration.size > 1:
         held = f"hold time [{'s' if found.record.si else 'time of the record'}]"
         panels["healing"] = style.Panel(partial(_draw_peaks, laws=found), held)
@@ -123,10 +114,9 @@ def _(found: StateLaws) -> dict[str, style.Panel]:
 
 
 def _draw_state(axes: Axes, laws: StateLaws, slip: np.ndarray) -> None:
-    for law in STATE_LAWS:
+    for law, (color, dashes) in _LINES.items():
         fit = laws.fits[law]
         if isinstance(fit, MachineFit):
-            color, dashes = _LINES[law]
             axes.semilogy(slip, fit.state, dashes, color=color, linewidth=1.5)
     style.few_ticks(axes.yaxis)
     axes.set_ylabel(rf"state $\theta$ [{'s' if laws.record.si else 'time'}]")
@@ -137,10 +127,8 @@ def _draw_record(axes: Axes, laws: StateLaws, slip: np.ndarray) -> None:
     shown = laws.fits["aging"].used
     small = record.time.size > _MANY
     dots: dict[str, Any] = {"markersize": 2, "markeredgewidth": 0} if small else _RINGS
-    label = f"record{surfaces}"
-    axes.plot(slip[shown], record.friction[shown], "o", color=style.GRAY, label=label, **dots)
-    for law in STATE_LAWS:
-        color, dashes = _LINES[law]
+    axes.plot(slip[shown], record.friction[shown], "o", color=style.GRAY, label=f"record{surfaces}", **dots)
+    for law, (color, dashes) in _LINES.items():
         friction = np.where(shown, laws.fits[law].predict(record), np.nan)
         axes.plot(slip, friction, dashes, color=color, linewidth=1.2, label=_legend(laws, law))
     axes.set_ylabel(r"friction coefficient $\mu$")
@@ -153,10 +141,8 @@ def _legend(laws: StateLaws, law: StateLaw) -> str:
     length = f" {style.spelled(unit)}".rstrip()
     for name, factor, end in (("a", 1.0, ""), ("b", 1.0, ""), ("D_c", scale, length)):
         value, stderr = float(estimates[name].value), float(estimates[name].stderr)
-        if laws.is_open(law, name):
-            numbers.append(f"${name}$ not determined")
-        else:
-            numbers.append(f"${name}$ = {uncertain(factor * value, factor * stderr)}{end}")
+        known = f"= {uncertain(factor * value, factor * stderr)}{end}"
+        numbers.append(f"${name}$ {'not determined' if laws.is_open(law, name) else known}")
     mark = "  (preferred)" if laws.verdict == law else ""
     return f"{law} law{mark}\n   {', '.join(numbers)}"
 
@@ -166,9 +152,9 @@ def _draw_residuals(axes: Axes, laws: StateLaws, slip: np.ndarray) -> None:
     look: dict[str, Any] = {"markersize": 2.5, "markerfacecolor": "none"}
     if laws.record.time.size > _MANY:
         look = {"markersize": 1.5, "markeredgewidth": 0, "alpha": 0.5}
-    for law, marker in zip(STATE_LAWS, "os", strict=True):
+    for (law, (color, _)), marker in zip(_LINES.items(), "os", strict=True):
         fit = laws.fits[law]
-        axes.plot(slip[fit.used], fit.residual, marker, color=_LINES[law][0], **look)
+        axes.plot(slip[fit.used], fit.residual, marker, color=color, **look)
     axes.set_ylabel(r"$\mu$ − law")
 
 
@@ -176,8 +162,7 @@ def _draw_peaks(axes: Axes, laws: StateLaws) -> None:
     peaks = laws.peaks()
     look: dict[str, Any] = {"color": style.GRAY, "markerfacecolor": "white", "label": "record"}
     axes.semilogx(peaks.duration, peaks.peak - peaks.before, "o", **look)
-    for law in STATE_LAWS:
-        color, dashes = _LINES[law]
+    for law, (color, dashes) in _LINES.items():
         of_law = laws.peaks(law)
         order = np.argsort(of_law.duration)
         healed = (of_law.peak - of_law.before)[order]

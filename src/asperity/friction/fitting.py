@@ -31,12 +31,12 @@ from asperity.fits.comparison import ROUNDING, independent
 from asperity.fits.search import inverse_square, least_of
 from asperity.friction.events import Event, Events, events_of, rows_of
 from asperity.friction.laws import (
+    STATE_LAWS,
     StateLaw,
     first_velocity,
     half_changes,
     log_state,
     log_velocity,
-    state_law,
 )
 from asperity.friction.loading import STEP
 from asperity.friction.parameters import MachineFit, RateAndStateFit, described
@@ -103,13 +103,15 @@ def rate_and_state(
     k = stiffness_of(record, stiffness)
     if record.normal is not None and k == math.inf:
         expected = "a finite one, or 'fit', as the normal stress changes, and slip with it"
-        raise InputError(
-            "stiffness", expected=expected, got=checks.shown(stiffness), cure={"stiffness": "fit"}
-        )
+        got, cure = checks.shown(stiffness), {"stiffness": "fit"}
+        raise InputError("stiffness", expected=expected, got=got, cure=cure)
+    checks.choice("law", law, STATE_LAWS)
+    reference = None if V_0 is None else _velocity(V_0, si=record.si)
+    direct = record.a if a is None else a
+    direct = None if direct == "fitted" else direct
     if k != math.inf:
-        reference = None if V_0 is None else _velocity(V_0, si=record.si)
-        return pulled_fit(record, state_law(law), a, reference, events, k)
-    return _Problem.of(record, state_law(law), a, V_0, events).solution()
+        return pulled_fit(record, law, direct, reference, events, k)
+    return _Problem.of(record, law, direct, reference, events).solution()
 
 
 def fit_events(
@@ -149,25 +151,21 @@ class _Problem:
     given_a: float | None
 
     @classmethod
-    def of(cls, record: Record, law: StateLaw, a: object, V_0: float | str | None, events: str) -> _Problem:
+    def of(cls, record: Record, law: StateLaw, a: object, V_0: float | None, events: str) -> _Problem:
+        """State the problem; an `a` that is None is fitted."""
         used = rows_of(record, events)
-        reference = first_velocity(record.velocity)
-        if V_0 is not None:
-            reference = _velocity(V_0, si=record.si)
+        reference = first_velocity(record.velocity) if V_0 is None else V_0
         # If V changes by more, the mean over an interval does not determine the velocity at its end.
         used &= np.abs(half_changes(record.time, record.velocity)) < math.log(STEP)
         if not record.strength_at_rest:
             used &= record.velocity > 0
         velocities = record.velocity[used & (record.velocity > 0)]
         differ = velocities.size > 0 and velocities.max() > STEP * velocities.min()
-        if a is None:
-            a = "fitted" if record.a is None else record.a
-        if a == "fitted" and not differ:
+        if a is None and not differ:
             expected = "a number, as all slip is at one velocity, which does not show the direct effect"
-            raise InputError(
-                "a", expected=expected, got="none", cure={"a": 0.01}, advice="another of the rock"
-            )
-        problem = cls(record, law, reference, used, None if a == "fitted" else checks.number("a", a))
+            cure, advice = {"a": 0.01}, "another of the rock"
+            raise InputError("a", expected=expected, got="none", cure=cure, advice=advice)
+        problem = cls(record, law, reference, used, None if a is None else checks.number("a", a))
         if used.sum() < problem.count + 3:
             expected = f"at least {problem.count + 3} values for {problem.count} parameters"
             raise InputError("record", expected=expected, got=int(used.sum()))
@@ -232,11 +230,10 @@ class _Problem:
         shape = self.searched()
         (mu_0, b, *rest), residual = self.linear(shape)
         a = rest[0] if self.given_a is None else self.given_a
-        steps = _DIFFERENCE * np.eye(2)
-        slopes = [
-            b * (self.columns(shape + h)[:, 1] - self.columns(shape - h)[:, 1]) / (2 * _DIFFERENCE)
-            for h in steps
-        ]
+        slopes = []
+        for h in _DIFFERENCE * np.eye(2):
+            ahead, behind = self.columns(shape + h)[:, 1], self.columns(shape - h)[:, 1]
+            slopes.append(b * (ahead - behind) / (2 * _DIFFERENCE))
         jacobian = np.column_stack([self.columns(shape), *slopes])
         n, squares, friction = residual.size, float(residual @ residual), self.record.friction[self.used]
         rho, worth = independent(residual)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -45,6 +44,8 @@ def record_of(
         expected = "the shear strength of the contacts, as the history has no series 'friction'"
         raise InputError("shear_strength", expected=expected, got="none", cure={"shear_strength": 1.0})
     si = dataset["load"].attrs.get("units") in ("N", "N/m")
+    # From the contact, as a run of a campaign keeps no heights.
+    nominal_area = (dataset["contact_area"] / dataset["contact_fraction"]).max() if si else math.nan
     slides = dataset.isel(time=np.isfinite(dataset["time"].values))  # not the relaxed state
     slides = slides.isel(time=~after_slips(slides["time"].values, slides["displacement"].values))
     time = slides["time"].values
@@ -56,16 +57,9 @@ def record_of(
         strength_at_rest=True,
         a=None if dataset.attrs.get("rate_coefficient") else 0.0,
         si=si,
-        normal_stress=float(dataset["load"].mean()) / _nominal_area(dataset) if si else None,
+        normal_stress=float(dataset["load"].mean() / nominal_area) if si else None,
         source=source,
     )
-
-
-def _nominal_area(dataset: xr.Dataset) -> float:
-    """In m^2; of a run of a campaign, which keeps no heights, from the contact."""
-    if "heights" in dataset:
-        return float(dataset.attrs["sites"] * math.prod(json.loads(dataset.attrs["spacing"])))
-    return float((dataset["contact_area"] / dataset["contact_fraction"]).max())
 
 
 def _dataset(history: object) -> tuple[xr.Dataset, str]:

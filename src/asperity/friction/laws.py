@@ -47,13 +47,6 @@ _SHORT = 1e-3
 """Slip over D_c below which a series replaces 1/x - 1/(exp(x) - 1), to 1e-12."""
 
 
-def state_law(value: object) -> StateLaw:
-    """Check the name of a law of the state."""
-    if value not in STATE_LAWS:
-        raise InputError("law", expected="'aging' or 'slip'", got=checks.shown(value))
-    return value
-
-
 @dataclass(frozen=True, kw_only=True)
 class RateAndState:
     """Rate-and-state friction with its parameters.
@@ -85,7 +78,7 @@ class RateAndState:
     alpha: float = 0.0
 
     def __post_init__(self) -> None:
-        state_law(self.law)
+        checks.choice("law", self.law, STATE_LAWS)
         for name in ("a", "b", "mu_0", "alpha"):
             object.__setattr__(self, name, checks.number(name, getattr(self, name)))
         for name in ("D_c", "V_0"):
@@ -172,12 +165,9 @@ def timetable(time: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats]:
     """Check times, which never fall, and velocities, not below 0."""
     times, velocities = checks.history(time=time, velocity=velocity)
     if (velocities < 0).any():
-        raise InputError(
-            "velocity",
-            expected="velocities not below 0, as the record slides in one direction",
-            got=float(velocities.min()),
-            advice="cutting the record at the reversal, or smoothing a noisy displacement",
-        )
+        expected = "velocities not below 0, as the record slides in one direction"
+        advice = "cutting the record at the reversal, or smoothing a noisy displacement"
+        raise InputError("velocity", expected=expected, got=float(velocities.min()), advice=advice)
     return times, velocities
 
 

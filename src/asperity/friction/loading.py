@@ -76,10 +76,8 @@ class Drive:
     def per_row(self, time: Floats) -> Floats:
         """Velocity of the interval that ends at each time, not below 0, with kinks at rows; shape (n,)."""
         middles = (time[1:] + time[:-1]) / 2
-        rows = np.searchsorted(middles, self.kinks)
-        return np.asarray(
-            np.maximum(self.velocity, 0.0)[np.searchsorted(rows, np.arange(time.size), side="left")]
-        )
+        rows, onward = np.searchsorted(middles, self.kinks), np.maximum(self.velocity, 0.0)
+        return np.asarray(onward[np.searchsorted(rows, np.arange(time.size))])
 
 
 def drive_of(time: Floats, place: Floats) -> Drive:
@@ -198,12 +196,14 @@ class _Pieces:
         for n in range(1, len(self.edges) - 2):
             first, *_, last = ends = self.edges[n - 1 : n + 3]
             at = first + _split(self.time[first:last], self.place[first:last], 0.0, always=True)
-            three, two = (
-                sum(self._line(*pair)[2] for pair in pairwise(e)) for e in (ends, (first, at, last))
-            )
+            three, two = (self._squares_of(edges) for edges in (ends, (first, at, last)))
             if two - three < _GAIN * max(self.noise, three / (last - first)):
                 return replace(self, edges=(*self.edges[:n], at, *self.edges[n + 2 :]))
         return self
+
+    def _squares_of(self, edges: tuple[int, ...]) -> float:
+        """Sum of squares about the lines between some edges."""
+        return sum(self._line(*pair)[2] for pair in pairwise(edges))
 
     def _line(self, first: int, end: int) -> tuple[float, float, float]:
         """Mean, slope and sum of squares about the line of some rows."""
@@ -216,29 +216,25 @@ class _Pieces:
     @property
     def off(self) -> Floats:
         """Distance of each row from its line, shape (n,)."""
-        parts = [slice(*pair) for pair in pairwise(self.edges)]
-        lines = [self._line(*pair) for pair in pairwise(self.edges)]
-        return np.concatenate(
-            [
-                self.place[part] - mean - slope * (self.time[part] - self.time[part].mean())
-                for part, (mean, slope, _) in zip(parts, lines, strict=True)
-            ]
-        )
+        off = []
+        for first, end in pairwise(self.edges):
+            time, (mean, slope, _) = self.time[first:end], self._line(first, end)
+            off.append(self.place[first:end] - mean - slope * (time - time.mean()))
+        return np.concatenate(off)
 
     def drive(self) -> Drive:
         """Crossings of the lines, with standard errors; a slow segment beside a fast one is a rest."""
         pairs = list(pairwise(self.edges))
-        lines = [self._line(*pair) for pair in pairs]
-        speeds = np.array([line[1] for line in lines])
+        places, speeds, squares = np.transpose([self._line(*pair) for pair in pairs])
         beside = np.maximum(np.append(0.0, np.abs(speeds[:-1])), np.append(np.abs(speeds[1:]), 0.0))
         speeds[(speeds < SLOW * beside) & (speeds > -5 * SLOW * beside)] = 0.0
         rows = np.diff(self.edges)
-        means = np.array([line[2] for line in lines]) / np.maximum(1, rows - 2) / rows
+        means = squares / np.maximum(1, rows - 2) / rows
         errors = 4 * means  # the error of a line at its end is twice that of its mean
         times = [self.time[slice(*pair)] for pair in pairs]
         centers, widths = (np.array([of(part) for part in times]) for of in (np.mean, np.std))
         of_speeds = np.where(speeds == 0, 0.0, np.sqrt(means) / np.maximum(widths, 1e-300))
-        starts = np.array([line[0] for line in lines]) - speeds * centers
+        starts = places - speeds * centers
         turns = np.flatnonzero(np.diff(speeds))  # not between two rests
         change = np.diff(speeds)[turns]
         ends = np.array(self.edges[1:-1], dtype=np.intp)[turns]

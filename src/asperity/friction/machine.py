@@ -67,10 +67,8 @@ class Machine:
 
     def shape(self, point: Floats) -> Shape:
         """The parameters at a point of the search."""
-        sizes = {
-            name: value if name in LINEAR else np.exp(value)
-            for name, value in zip(self.names, point, strict=False)
-        }
+        searched = zip(self.names, point, strict=False)
+        sizes = {name: value if name in LINEAR else np.exp(value) for name, value in searched}
         return Shape(**{"a": self.a, "k": self.k, "alpha": self.alpha} | sizes)
 
     def moved(self, point: Floats) -> Drive:
@@ -107,8 +105,7 @@ class Machine:
     def compared(self, point: Floats, course: Course) -> tuple[Floats, list[Floats]]:
         """mu_0 and the drift; residuals, over the noise, of friction, of segments of slip, and of kinks."""
         shape = self.shape(point)
-        elastic = course.elastic(shape)
-        friction = (self.friction - elastic)[self.used]
+        friction = (self.friction - course.elastic(shape))[self.used]
         linear = self._inverse @ friction
         parts = [(self.columns @ linear - friction) / self.noise[0]]
         if self.slip is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -77,14 +78,16 @@ def stiffness_of(record: Record, stiffness: object) -> float | None:
 def pulled_fit(
     record: Record, law: StateLaw, a: object, V_0: float | None, events: object, k: float | None
 ) -> MachineFit:
-    """Fit a record from its steady sliding on; k is None to fit it. Errors are those of `rate_and_state`."""
+    """Fit a record from its steady sliding on, and a and k if they are None.
+
+    Errors are those of `rate_and_state`.
+    """
     if record.strength_at_rest:
         expected = "a record of a machine for a stiffness: in simulations the velocity is that of slip"
         raise InputError("record", expected=expected, got="the strength at rest")
     rows, drive = record.time.size, record.drive
     if drive is None:
-        force = record.friction * record.pressing
-        drive, _ = drive_of_slip(record.time, record.displacement, force)
+        drive, _ = drive_of_slip(record.time, record.displacement, record.friction * record.pressing)
         record = replace(record, slip=record.displacement, drive=drive, velocity=drive.per_row(record.time))
     if drive.velocity[0] == 0 and drive.kinks.size:  # steady from the middle of the first slide on
         record = record.between(float(drive.edges(record.time)[1:3].mean()))
@@ -92,9 +95,7 @@ def pulled_fit(
     used, time, friction, slip = rows_of(record, events), record.time, record.friction, record.slip
     normal = NormalStress.of(time, record.pressing, friction, drive.kinks)
     refusal = oscillation(record, drive, normal.edges(drive.edges(time)))
-    if a is None:
-        a = record.a
-    fixed = None if a is None or a == "fitted" else checks.number("a", a, above=0.0)
+    fixed = None if a is None else checks.number("a", a, above=0.0)
     noise = math.sqrt(variance(time, friction)), 1.0 if slip is None else math.sqrt(variance(time, slip))
     measured = np.full(drive.kinks.size, record.load_point is not None)
     alpha = None if record.presses_anew else 0.0
@@ -158,9 +159,8 @@ def _cycles(friction: Floats, least: float) -> tuple[NDArray[np.intp], float] | 
     power, heights = np.abs(np.fft.rfft(periodic))[1:] ** 2, about["prominences"]
     frequency = np.arange(1, power.size + 1) / (peaks.size - 1)
     share = power[(frequency > 1 / _BAND) & (frequency < _BAND)].sum() / power.sum()
-    early, late = (
-        float(np.median(part)) for part in (heights[: peaks.size // 2], heights[peaks.size // 2 :])
-    )
+    half = peaks.size // 2
+    early, late = np.median(heights[:half]), np.median(heights[half:])
     return (peaks, float(heights[-2])) if share > _PERIODIC and late > _LASTS * early else None
 
 
@@ -182,12 +182,9 @@ def _middle(friction: Floats) -> int:
 
 
 def _stick_slip(text: str) -> InputError:
-    return InputError(
-        "record",
-        expected="stable sliding: below the stiffness (b - a)/D_c a slider sticks and slips, by its inertia",
-        got=text,
-        advice="a stiffer machine, a lower normal stress, or a part of the record",
-    )
+    expected = "stable sliding: below the stiffness (b - a)/D_c a slider sticks and slips, by its inertia"
+    advice = "a stiffer machine, a lower normal stress, or a part of the record"
+    return InputError("record", expected=expected, got=text, advice=advice)
 
 
 def _steady_noise(record: Record, kink: float) -> float:
@@ -237,10 +234,7 @@ def _result(
     values = {"stiffness" if name == "k" else name: value for name, value in values.items()}
     residual = -machine.noise[0] * friction
     at_edge = machine.at_edge(point)
-
-    def whole_course(values: Floats) -> Floats:
-        return np.concatenate([np.full(first, np.nan), values])
-
+    whole_course = partial(np.pad, pad_width=(first, 0), constant_values=np.nan)
     return MachineFit(
         **described(
             residual,

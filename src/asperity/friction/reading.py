@@ -63,6 +63,7 @@ _EXAMPLES = (
 )
 _ARGUMENTS = ("units", "strength_at_rest")
 _MOTIONS = ("load point", "velocity", "displacement")
+"""Motions: a velocity counts where there is no load point, and then alone."""
 
 
 def read_record(
@@ -105,12 +106,11 @@ def read_record(
         The columns are not understood, only some have units, the normal stress is not above 0, or the load
         point goes back.
     """
+    table: Table | Path | str = path
     if is_xlook(Path(path)):
-        table: Table | Path | str = read_xlook(Path(path), calibration)
+        table = read_xlook(Path(path), calibration)
     elif calibration is not None:
         raise InputError("calibration", expected="none, as a table states its units", got=str(calibration))
-    else:
-        table = path
     columns_read = Columns(table, ROLES, columns, units)
     by_role, name = columns_read.by_role, columns_read.table.name
     ratios = [kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(by_role)]
@@ -123,10 +123,7 @@ def read_record(
             raise InputError("columns", expected=expected, got=got, cure={"columns": known})
         advice = f"a first line that names them with their units, such as {_EXAMPLES}"
         raise InputError(name, expected=expected, got=named(columns_read.table), advice=advice)
-    if "load point" in motions or "velocity" not in motions:
-        motions = [role for role in motions if role != "velocity"]
-    else:
-        motions = ["velocity"]
+    motions = motions[:1] if motions[0] == "velocity" else [role for role in motions if role != "velocity"]
     # Of a ratio, or of times and displacements, each has a unit or none has.
     has_units = any(columns_read.unit(role) for role in ("time", *motions))
     time = columns_read.values("time", bare=not has_units)
@@ -140,11 +137,8 @@ def read_record(
             values, unit = columns_read.values(part, bare=bare)[kept], columns_read.unit(part)
             how["normal"] = _changing(time[kept], values, part, unit, name, binary=isinstance(table, Table))
             how |= {part.replace(" ", "_"): float(values.mean())} if unit else {}
-    if parts:
-        shear, normal = (columns_read.values(part, bare=bare)[kept] for part in parts)
-        friction = shear / normal
-    else:
-        friction = columns_read.values("friction")[kept]
+    numbers = [columns_read.values(part, bare=bare)[kept] for part in parts or ["friction"]]
+    friction = numbers[0] / numbers[1] if parts else numbers[0]
     lengths = [columns_read.unit(role).partition("/")[0] for role in motions]
     how |= {"read": columns_read.read, "units": (columns_read.unit("time"), lengths[0])}
     try:
@@ -161,7 +155,6 @@ def _made(time: Floats, moved: dict[str, Floats], friction: Floats, how: dict[st
             got = "the load point of a machine, which slips at rest"
             raise InputError("strength_at_rest", expected="a velocity or displacement of slip", got=got)
         return Record.of_displacement(time, moved["displacement"], friction, **how)
-    del how["strength_at_rest"]
     how |= {"load_point": moved.get("load point"), "slip": moved.get("displacement")}
     return Record.of_machine(time, friction, **how)
 
@@ -179,8 +172,7 @@ def _window(time: Floats, start: object, stop: object, unit: str) -> NDArray[np.
     for name, stated, default in (("start", start, -np.inf), ("stop", stop, np.inf)):
         value = number(stated) if isinstance(stated, str) else stated
         if isinstance(value, str) and not unit:
-            expected = "a plain number, as the record has no units"
-            raise InputError(name, expected=expected, got=repr(value))
+            raise InputError(name, expected="a plain number, as the record has no units", got=repr(value))
         if isinstance(value, str):
             ends.append(si.quantity(value, "s", name))
         else:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, TypedDict, Unpack
 
 import numpy as np
@@ -123,12 +123,10 @@ class Record(views.Brief):
             at = int(np.argmax(falls))
             names = about.get("units", ("s", "m")) if about.get("si", True) else ("", "")
             lower, upper = places[at : at + 2] / _scales(names)[1]
-            raise InputError(
-                "displacement",
-                expected="a displacement that never falls, as the record slides in one direction",
-                got=f"{upper:.6g} after {lower:.6g} {names[1]}".rstrip(),
-                advice="Record.of_machine, which allows for noise; or cutting the record at the reversal",
-            )
+            expected = "a displacement that never falls, as the record slides in one direction"
+            got = f"{upper:.6g} after {lower:.6g} {names[1]}".rstrip()
+            advice = "Record.of_machine, which allows for noise; or cutting the record at the reversal"
+            raise InputError("displacement", expected=expected, got=got, advice=advice)
         durations = np.diff(times)
         with np.errstate(invalid="ignore", divide="ignore"):
             velocity = np.append(np.nan, np.diff(places) / durations)
@@ -157,7 +155,8 @@ class Record(views.Brief):
         """
         times, values = checks.line("time", time), checks.line("friction", friction)
         measured = {"load_point": load_point, "slip": slip}
-        places = {name: checks.line(name, place) for name, place in measured.items() if place is not None}
+        given = {name: place for name, place in measured.items() if place is not None}
+        places: dict[str, Any] = {name: checks.line(name, place) for name, place in given.items()}
         name = next(iter(places), "load_point")
         sizes = {values.size, *(place.size for place in places.values())}
         if not places or sizes != {times.size} or times.size < 3:
@@ -173,15 +172,7 @@ class Record(views.Brief):
                 return cls.of_displacement(times, places[name], values, **about)
         else:
             driven = drive_of(times, places[name])
-        record = cls(
-            times,
-            driven.per_row(times),
-            values,
-            drive=driven,
-            load_point=places.get("load_point"),
-            slip=places.get("slip"),
-            **about,
-        )
+        record = cls(times, driven.per_row(times), values, drive=driven, **places, **about)
         if (driven.velocity < 0).any():
             n, unit = int(np.argmax(driven.velocity < 0)), record.units[0]
             start, end = driven.edges(times)[n : n + 2] / record.scales[0]
@@ -197,10 +188,8 @@ class Record(views.Brief):
         """Return the rows of a record of a machine between two times, with the kinks there."""
         assert self.drive is not None
         kept = (self.time >= start) & (self.time <= stop)
-        every = {item.name: getattr(self, item.name) for item in fields(self)}
-        rows: dict[str, Any] = {
-            name: values[kept] for name, values in every.items() if isinstance(values, np.ndarray)
-        }
+        columns = {name: values for name, values in vars(self).items() if isinstance(values, np.ndarray)}
+        rows: dict[str, Any] = {name: values[kept] for name, values in columns.items()}
         return replace(self, drive=self.drive.between(start, stop), **rows)
 
     @property

@@ -73,17 +73,14 @@ def _machine(laws: StateLaws) -> list[Row]:
         mu_0, misfit = uncertain(other.mu_0, other.mu_0_stderr), f"{float(np.std(other.residual)):.2g}"
         table.append((other.law, other.stiffness_from, k, *_numbers(other, length), mu_0, misfit))
     rows = table_rows("machine", table)
-    moved: list[str] = []
-    kept: list[str] = []
+    spans: dict[bool | None, list[str]] = {True: [], False: [], None: []}
     for name, factor, end in (("a", 1.0, ""), ("b", 1.0, ""), ("D_c", 1 / length, f" {unit}")):
         low, high, moves = laws.range_of(name)
-        span = f"{name} ({factor * low:.3g} to {factor * high:.3g}{end})"
-        if moves is not None:
-            (moved if moves else kept).append(span)
-    if kept and len(laws.suiting) > 1:
-        rows.append(Row("", f"the same within errors for each law and stiffness: {', '.join(kept)}"))
-    if moved:
-        rows.append(Row("", f"law and stiffness change {', '.join(moved)}: state both with the value"))
+        spans[moves].append(f"{name} ({factor * low:.3g} to {factor * high:.3g}{end})")
+    if spans[False] and len(laws.suiting) > 1:
+        rows.append(Row("", f"the same within errors for each law and stiffness: {', '.join(spans[False])}"))
+    if spans[True]:
+        rows.append(Row("", f"law and stiffness change {', '.join(spans[True])}: state both with the value"))
     for other in laws.every:
         if isinstance(other, MachineFit) and other.misfit >= MISSES:
             least, most = (f"{end / length:.2g}" for end in (other.tried[0], other.tried[-1]))

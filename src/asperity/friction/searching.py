@@ -108,9 +108,8 @@ def _stiffness_seen(machine: Machine) -> float:
             before = float(np.median(friction[max(0, first - _BEFORE) : first + 1]))
             rise = (friction[rows] - before) * math.copysign(1.0, change)
             at = int(np.argmax(rise >= rise.max() / 2))
-            slopes[change > 0].append(
-                rise[at] / abs(change) / max(machine.time[rows][at] - edges[n + 1], row / 2)
-            )
+            lapse = max(machine.time[rows][at] - edges[n + 1], row / 2)
+            slopes[change > 0].append(rise[at] / abs(change) / lapse)
     least = 1e-3 * float(np.ptp(machine.friction)) / float(drive.place(machine.time)[-1])
     return max(least, float(np.median(slopes[True] or slopes[False] or [least])))
 

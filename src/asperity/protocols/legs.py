@@ -25,7 +25,6 @@ _MOST_LEGS = 100_000
 
 _MOST_SHIFTS = _MOST_STEPS = 10**7
 
-_Duration = Annotated[float, Gt(0), Quantity("how long it lasts", "s")]
 _Mobility = Annotated[float, Gt(0), Quantity("factor on the mobility of creep meanwhile")]
 _Load = Annotated[float | None, Quantity("load at the end, below 0 where it pulls.", "N", of_line="N/m")]
 _Separation = Annotated[float | None, Quantity("separation at the end; instead of the load", "m")]
@@ -87,9 +86,8 @@ class Leg(Checked):
         for name in sorted(vars(self).keys() - parameters):
             expected, advice = "a field whose annotation has a Quantity", "Annotated[float, Quantity(...)]"
             raise InputError(name, expected=expected, got="one without", advice=advice)
-        if self.target not in TARGETS and (self.target or type(self).value is not Leg.value):
-            expected = f"one of {', '.join(map(repr, TARGETS))}"
-            raise InputError("target", expected=expected, got=repr(self.target))
+        if self.target or type(self).value is not Leg.value:
+            checks.choice("target", self.target, TARGETS)
         if self.target and self.duration > 0:
             checks.number("longest", self.longest, least=self.duration / _MOST_STEPS)
         for name, parameter in parameters.items():
@@ -167,7 +165,7 @@ class Hold(Leg):
         Factor > 0 on the mobility of creep during this leg, as a change of temperature makes it.
     """
 
-    duration: _Duration
+    duration: Annotated[float, Gt(0), Quantity("how long it lasts", "s")]
     hold: Annotated[
         Literal["load", "separation", "area"] | None,
         Quantity("quantity to hold; by default the last that was prescribed"),

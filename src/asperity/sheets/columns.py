@@ -78,14 +78,13 @@ class Columns:
         self._roles, self._wanted = roles, {role.name: role for role in roles}
         meanings = [self._meaning(name) for name in self.table.names]
         self._parts = [parts for _, parts in meanings]
-        numbers = {role for role, parts in meanings if parts.base is None}
+        self.logarithms = {at for at, parts in enumerate(self._parts) if parts.base is not None}
+        numbers = {role for at, (role, _) in enumerate(meanings) if at not in self.logarithms}
         # Logarithms beside their numbers are left alone.
-        self.roles = [
-            "" if parts.base is not None and role in numbers else role or "" for role, parts in meanings
-        ]
+        alone = {at for at in self.logarithms if meanings[at][0] in numbers}
+        self.roles = ["" if at in alone else role or "" for at, (role, _) in enumerate(meanings)]
         self.unknown = [at for at, (role, _) in enumerate(meanings) if role is None]
-        everything = range(len(self.roles))
-        self.chosen = list(everything) if columns is None else positions(self.table, columns)
+        self.chosen = [*range(len(self.roles))] if columns is None else positions(self.table, columns)
         self._stated = self._by_column(units)
         self._read: dict[int, str] = {}
 
@@ -352,11 +351,8 @@ def positions(table: Table, columns: Chosen) -> list[int]:
     for column in [columns] if isinstance(columns, int | str) else columns:
         text = str(column).strip()
         inner = text.strip("[]() ")
-        ways = (
-            [text],
-            *(re.split(r"\s*[,;]\s*", one) for one in (text, inner)),
-            re.findall(r"[^,;\s]+", inner),
-        )
+        by_marks = (re.split(r"\s*[,;]\s*", one) for one in (text, inner))
+        ways = [[text], *by_marks, re.findall(r"[^,;\s]+", inner)]
         known = (words for words in ways if all(word in table.names or word.isdecimal() for word in words))
         places += [position(table, word) for word in next(known, [text]) or [text]]
     return places

@@ -36,9 +36,8 @@ _FACT = re.compile(r"(?i)(?:(columns?|names?|spalten|colonnes|units?|einheiten|u
 
 # In "Rec #;Time (s)" it ends a name, in "Area #1" it counts, and #DIV/0! is a cell of a spreadsheet.
 _COMMENT = re.compile(r"#(?![;,\t\d]|[A-Z/0?]+[!?]|N/A|NV)")
-_GLUED = re.compile(
-    r"(?<=[^\W\d_][\])])(?=[+-]?\d+\.?\d*\t)"
-)  # a header and the first row: "Voltage (V)41.3"
+# A header and the first row: "Voltage (V)41.3".
+_GLUED = re.compile(r"(?<=[^\W\d_][\])])(?=[+-]?\d+\.?\d*\t)")
 _MISSING = ("", "nan", "na", "n/a", "null", "#n/a", "#nv")  # in letters of any size
 
 _HUNDREDS = re.compile(r"[+-]?[1-9]\d\d")
@@ -106,13 +105,12 @@ def read_table(
     if not lines:
         wanted, got = ("a matrix", "no number at all") if matrix else ("a table", "no line besides comments")
         raise fail(expected=f"{wanted} of numbers", got=got)
-    first, header, width = 0, -1, 0
+    first, header, width = 0, -1, len(_cells(lines[0][1], separator))
     if not matrix:
         if shares[best] <= _ONE_COLUMN:
             got = "one" if shares[best] else f"{lines[-1][1].strip()[:40]!r}"
             raise fail(expected="two columns of numbers or more", got=got)
         first, header, width = _beginning([line for _, line in lines], looked_at, separator, decimal)
-    width = width or len(_cells(lines[first][1], separator))
     if not matrix and separator == "," and header >= 0 and 2 * len(_cells(lines[header][1], ",")) == width:
         number, line = lines[first]
         expected = f"semicolons or tabs between numbers with decimal commas, in line {number}"
@@ -151,8 +149,7 @@ def _dialects(lines: list[str], stated: str) -> Sequence[tuple[str, str]]:
     tabbed = [line for line in lines if "\t" in line.strip(" ")]
     by_tabs = 2 * len(tabbed) > len(lines) and not any(re.search(r"\d +[-+.\d]", line) for line in tabbed)
     left_out = " " if by_tabs else ""
-    possible = [one for one in _DIALECTS if one[0] != left_out and stated in ("", one[0])]
-    return possible or _DIALECTS
+    return [one for one in _DIALECTS if one[0] != left_out and stated in ("", one[0])] or _DIALECTS
 
 
 def _separated(
@@ -230,7 +227,7 @@ def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) 
             break
     named = [at for at, pair in enumerate(shapes) if pair == (width, 0.0) and lines[at].strip(separator)]
     first = next(at for at, (_, share) in enumerate(shapes) if share and at > max(named, default=-1))
-    return (first, named[-1], width) if named else (first, first - 1, 0)
+    return (first, named[-1], width) if named else (first, first - 1, shapes[first][0])
 
 
 def _check_one_block(notes: list[tuple[int, str]], fail: Callable[..., InputError]) -> None:

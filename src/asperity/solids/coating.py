@@ -98,8 +98,7 @@ def shares_of(coated: Coated) -> tuple[Floats, Floats, Floats, float]:
 
     The error is relative to the instantaneous K, over the grid and all Laplace variables.
     """
-    count = round(math.log10(_MOST / _LEAST) * _PER_DECADE)
-    x = np.geomspace(_LEAST, _MOST, count)
+    x = np.geomspace(_LEAST, _MOST, round(math.log10(_MOST / _LEAST) * _PER_DECADE))
     relaxation = [time for material in (coated.film, coated.base) for _, time in material.branches]
     low, high = math.log10(min(relaxation)), math.log10(max(relaxation)) + 3
     times = np.logspace(low, high, round((high - low) * _TIMES_PER_DECADE) + 1)
@@ -192,9 +191,7 @@ def coated_half_space(
         "poisson": film.poisson,
         "thickness": coated.thickness,
         "branches": film.branches,
-        "base_modulus": base.modulus,
-        "base_poisson": base.poisson,
-        "base_branches": base.branches,
+        **{f"base_{name}": value for name, value in vars(base).items()},
     }
     creeping: tuple[CreepBranch, ...] = ()
     if film.branches or base.branches:
@@ -204,8 +201,7 @@ def coated_half_space(
             got = f"relaxation that no times up to {times[-1]:.3g} describe (error {error:.2g})"
             raise InputError("branches", expected=expected, got=got, advice="shares of less than 1 in sum")
         parameters["largest_error"] = error
-        stiffness = (CoatedStiffness(coated, number) for number in range(times.size))
-        creeping = tuple(CreepBranch(law, time=time) for law, time in zip(stiffness, times, strict=True))
+        creeping = tuple(CreepBranch(CoatedStiffness(coated, n), time=time) for n, time in enumerate(times))
     return Solid(
         permanent=CoatedStiffness(coated),
         branches=creeping,

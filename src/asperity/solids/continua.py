@@ -176,7 +176,9 @@ def half_space(
         expected = "none: the contact modulus contains it"
         raise InputError("poisson", expected=expected, got=checks.shown(poisson), advice="young=...")
     modulus = checked_modulus(modulus, young, poisson)
-    permanent = checked_permanent(permanent)
+    least = _LEAST_PERMANENT if permanent else 0.0
+    expected = f"0, or from {_LEAST_PERMANENT:g} to 0.99"
+    permanent = checks.number("permanent", permanent, least=least, most=0.99, expected=expected)
     if permanent and creep is None:
         expected, advice = "a law of creep beside it", "branches, whose rest is permanent"
         raise InputError("permanent", expected=expected, got="none", advice=advice)
@@ -269,12 +271,6 @@ def checked_apparatus(stiffness: float | str | None) -> float | None:
         return stiffness
     expected = "a stiffness above 0, or math.inf"
     return units.number("apparatus", stiffness, "N/m", of_line="N/m^2", above=0, expected=expected)
-
-
-def checked_permanent(share: float) -> float:
-    """Check the share of the modulus beside a local law."""
-    least, expected = 0.0 if share == 0 else _LEAST_PERMANENT, f"0, or from {_LEAST_PERMANENT:g} to 0.99"
-    return checks.number("permanent", share, least=least, most=0.99, expected=expected)
 
 
 def checked_poisson(name: str, ratio: float) -> float:

@@ -34,8 +34,7 @@ class Numbers:
     def __post_init__(self) -> None:
         for field_ in fields(self):  # type: ignore[arg-type]
             if field_.type == "float":
-                value = checks.number(field_.name, getattr(self, field_.name))
-                object.__setattr__(self, field_.name, value)
+                object.__setattr__(self, field_.name, checks.number(field_.name, getattr(self, field_.name)))
 
 
 @dataclass(frozen=True)
@@ -47,8 +46,6 @@ class LaplacianSpectrum(Numbers):
 
     def __call__(self, lattice: Lattice) -> Spectrum:
         """Evaluate on a lattice."""
-        if self.laplacian == 0:
-            return np.full(lattice.spectral_shape, self.uniform)
         return self.laplacian * lattice.lam + self.uniform
 
 
@@ -154,7 +151,8 @@ def compliance_of_pixels(lattice: Lattice) -> Spectrum:
     of an infinite half-space. That the sums in the empty space are of nothing real does no harm, as it has
     neither forces nor heights. The spectrum is positive, a length.
     """
-    return _of_pixels(lattice, _from_origin)
+    # The integral over the rectangle between the origin and (y, x).
+    return _of_pixels(lattice, lambda y, x: x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y)))
 
 
 @lru_cache(maxsize=1)
@@ -192,17 +190,11 @@ def _of_pixels(lattice: Lattice, integral: Callable[[Field, Field], Field], sign
 
     ``integral`` is that over y and x; ``sign`` is -1 for a function that is odd in both.
     """
-    corners = (
-        (np.arange(n // 2 + 2) - 0.5) * side for n, side in zip(lattice.shape, lattice.spacing, strict=True)
-    )
+    sides = zip(lattice.shape, lattice.spacing, strict=True)
+    corners = ((np.arange(n // 2 + 2) - 0.5) * side for n, side in sides)
     values = integral(*np.meshgrid(*corners, indexing="ij", sparse=True))
     near = np.diff(np.diff(values, axis=0), axis=1) / np.pi
     for axis, n in enumerate(lattice.shape):  # and the same at the distances before the next image
         mirrored = np.flip(np.take(near, np.arange(1, (n + 1) // 2), axis), axis)
         near = np.concatenate((near, sign * mirrored), axis)
     return np.ascontiguousarray(scipy.fft.rfftn(near).real)
-
-
-def _from_origin(y: Field, x: Field) -> Field:
-    """Integral of 1 / r over the rectangle between the origin and (y, x)."""
-    return np.asarray(x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y)))

@@ -300,8 +300,7 @@ class Solid(views.InNotebooks):
             if branch.mobility is None:
                 rate[number] = np.where(creeping[number] > 0, 1 / branch.time, 0.0)
             else:
-                mobility = _checked(f"mobility{which}", branch.mobility, lattice)
-                np.multiply(mobility, creeping[number], out=rate[number])
+                rate[number] = _checked(f"mobility{which}", branch.mobility, lattice) * creeping[number]
         whole = permanent + creeping.sum(axis=0)
         if self.half_space and not lattice.body:
             sides = zip(lattice.angles, lattice.spacing, strict=True)

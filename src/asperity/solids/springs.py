@@ -65,10 +65,8 @@ def spring_lattice(
     ----------
     E. A. Jagla, "Towards a modeling of the time dependence of contact area between solid bodies".
     """
-    parameters = {
-        name: checks.number(name, value, least=0)
-        for name, value in {"k0": k0, "k1": k1, "R": R, "R_viscous": R_viscous}.items()
-    }
+    given = {"k0": k0, "k1": k1, "R": R, "R_viscous": R_viscous}
+    parameters = {name: checks.number(name, value, least=0) for name, value in given.items()}
     k0, k1, R, R_viscous = parameters.values()
     if k0 == 0 and k1 == 0:
         raise InputError("k0 and k1", expected="a stiffness above 0", got="both 0", advice="k0=1.0, k1=3.0")

@@ -159,8 +159,7 @@ def _read_channel(reader: Any, path: Path, channel: str | int | None) -> RawSurf
 def _choose(reader: Any, path: Path, channel: str | int | None) -> Any:
     listed = [c for c in reader.channels if _holds_heights(c)]
     if not listed:
-        got = "none in a unit of length"
-        raise SurfaceFileError(str(path), expected="a channel of heights", got=got)
+        raise SurfaceFileError(str(path), expected="a channel of heights", got="none in a unit of length")
     candidates = [c for c in listed if channel in (c.channel_id, c.index)]
     candidates += [c for c in listed if c.name == channel]
     if channel is None:

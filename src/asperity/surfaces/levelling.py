@@ -49,9 +49,8 @@ def remove_tilt(heights: Field, defined: Mask, rule: Tilt) -> tuple[Field, list[
         flat = np.zeros_like(flat)
     parts[0] += mean
     sides = [max(n - 1, 1) for n in heights.shape]
-    return flat, [
-        float(part) / math.prod(sides[a] for a in term) for part, term in zip(parts, terms, strict=True)
-    ]
+    sizes = [math.prod(sides[a] for a in term) for term in terms]
+    return flat, [float(part) / size for part, size in zip(parts, sizes, strict=True)]
 
 
 def levelled(
@@ -84,8 +83,7 @@ def levelled(
 def _medians(heights: Field, defined: Mask) -> Field:
     """Median of the defined pixels of each row, shape (rows, 1); 0 for a row without any."""
     if heights.ndim == 1:
-        expected = "'none' for a profile, which is a single line"
-        raise InputError("lines", expected=expected, got="'median'")
+        raise InputError("lines", expected="'none' for a profile, which is a single line", got="'median'")
     measured = np.where(defined, heights, np.nan)
     measured[~defined.any(axis=1)] = 0.0
     return np.asarray(np.nanmedian(measured, axis=1, keepdims=True))

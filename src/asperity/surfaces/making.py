@@ -109,10 +109,8 @@ def in_unit(make: Callable[_P, Field]) -> Maker[_P]:
         size = numbers.get("pixel_size", numbers.get("spacing", 1.0))
         return Surface(heights, unit, size, unit, {"kind": make.__name__, **facts, "unit": unit})
 
-    parameters = [
-        argument.replace(annotation=_ADDED.get(argument.name, argument.annotation))
-        for argument in signature.parameters.values()
-    ]
+    stated = signature.parameters.values()
+    parameters = [one.replace(annotation=_ADDED.get(one.name, one.annotation)) for one in stated]
     whole = signature.replace(parameters=[*parameters, *more], return_annotation="Field | Surface")
     call.__signature__ = whole  # type: ignore[attr-defined]
     return cast(Maker[_P], call)

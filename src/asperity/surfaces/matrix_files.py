@@ -32,9 +32,7 @@ _NUMERIC = re.compile("double|single|u?int(8|16|32|64)")  # MATLAB's classes of 
 # HDF5 of JPK and of pycroscopy, in which the pixels of an image are a column.
 _FLATTENED = re.compile(r"(^|/)Measurement_\d+/Channel_\d+/", re.IGNORECASE)
 # Arrays beside heights in files of instruments.
-_OTHERS = re.compile(
-    r"thumb|preview|phase|index|indices|mask|valid|error|ampl|intens|deflection", re.IGNORECASE
-)
+_OTHERS = re.compile("(?i)thumb|preview|phase|index|indices|mask|valid|error|ampl|intens|deflection")
 
 
 def read_npy(path: Path, channel: str | int | None) -> RawSurface:

@@ -69,11 +69,8 @@ class Statistics:
 
         About 1 for a periodic surface, 0 for a mirrored one, far above 1 if the solver would see a cliff.
         """
-        ratios = [
-            0.0 if seam == 0 else (seam / step if step else np.inf)
-            for seam, step in zip(self.seam_steps, self.neighbor_steps, strict=True)
-        ]
-        return float(max(ratios))
+        pairs = zip(self.seam_steps, self.neighbor_steps, strict=True)
+        return float(max(0.0 if seam == 0 else (seam / step if step else np.inf) for seam, step in pairs))
 
 
 def statistics(heights: ArrayLike, pixel_size: tuple[float, ...] | None = None) -> Statistics:

@@ -13,11 +13,8 @@ from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 
 # Other spellings of units; the third of um is UTF-8 read as Latin-1.
-_SPELLINGS = {
-    "um": ("\u00b5m", "\u03bcm", "\u00c2\u00b5m"),
-    "angstrom": ("\u00c5", "\u212b"),
-    "1": ("",),
-}
+_SPELLINGS = {"": "1"} | dict.fromkeys(("\u00b5m", "\u03bcm", "\u00c2\u00b5m"), "um")
+_SPELLINGS |= dict.fromkeys(("\u00c5", "\u212b"), "angstrom")
 _ROUNDING = 1e-12  # rms of a flat surface without its tilt, over its largest height; relative error of waves
 _SQUARE = 0.01  # pixels are square if their sides differ by no more than this part
 _BORDER = 0.1  # part of an axis, on either side, over which "taper" brings heights to their mean
@@ -29,7 +26,7 @@ def spelled(unit: str | None) -> str:
         return unit
     unit = (unit or "").strip()
     unit = units.spelled(unit) or unit.lower()  # nobody means megameters
-    return next((ours for ours, theirs in _SPELLINGS.items() if unit in theirs), unit)
+    return _SPELLINGS.get(unit, unit)
 
 
 def part_of(
@@ -42,9 +39,7 @@ def part_of(
     """Pixels of a part of a surface of this shape; bounds and unit are those of `Surface.crop`."""
     scale = [1.0] * len(shape)
     if unit != "pixel":
-        if not is_length(unit):
-            known = ", ".join(map(repr, ("pixel", *LENGTHS)))
-            raise InputError("crop_unit", expected=f"one of {known}", got=repr(unit))
+        checks.choice("crop_unit", unit, ("pixel", *LENGTHS))
         across = conversion(length_unit, unit)
         if pixel_size is None or across is None:
             got = "none" if pixel_size is None else f"pixels in {length_unit or 'no unit'}"

@@ -115,11 +115,10 @@ def spectral(
     del unit  # `in_unit` takes it
     lengths = checks.lattice_shape(shape)
     exponent = checks.number("hurst", hurst, least=0, most=1)
-    sizes: dict[str, ArrayLike | None] = {"pixel_size": pixel_size, "spacing": spacing}
     if pixel_size is None and spacing is None:
-        sizes["pixel_size"] = 1.0
-    name = checks.one_of("pixel_size=0.5", **sizes)
-    steps = checked_spacing(name, sizes[name], len(lengths))
+        pixel_size = 1.0
+    name = checks.one_of("pixel_size=0.5", pixel_size=pixel_size, spacing=spacing)
+    steps = checked_spacing(name, pixel_size if spacing is None else spacing, len(lengths))
     lattice = Lattice(lengths, steps)
     q = lattice.wave_number
     longest, shortest = _band(roll_off, cutoff, [n * d for n, d in zip(lengths, steps, strict=True)], steps)

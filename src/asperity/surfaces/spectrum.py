@@ -43,9 +43,8 @@ _PER_DECADE = 10
 _BROAD = 5  # fewest bins of a range with a Hurst exponent: half a decade
 _FITTING_SEAM = 2.0  # largest ratio of a step at a seam to a usual one of opposite edges that fit
 _TOLERANCE = 0.1  # largest relative deviation of C from a power law, rms over the bins of its range
-_DRIFT = (
-    1.5  # largest deviation of the first or the last bins of the range from the line, standard deviations
-)
+# Largest deviation of the first or the last bins of the range from the line, standard deviations.
+_DRIFT = 1.5
 # Largest deficit of the mean power of the first bins below the line, standard deviations: where a surface
 # rolls off, the scatter of the logarithms hides that the few long waves have too little power.
 _DEFICIT = 2.5
@@ -192,10 +191,8 @@ def power_spectrum(
     least = 0.0 if fits else 6 * math.pi / min(n * s for n, s in zip(heights.shape, sizes, strict=True))
     most = math.pi / max(sizes)  # beyond it only waves of some directions are on the lattice
     bins = _binned(q.ravel(), power.ravel(), least, most, 1.0 if fits else _HANN**heights.ndim)
-    along = tuple(
-        _along(np.moveaxis(level, axis, -1), size, window, 1 if fits else 3)
-        for axis, (size, window) in enumerate(zip(sizes, windows, strict=True))
-    )
+    sides = enumerate(zip(sizes, windows, strict=True))
+    along = tuple(_along(np.moveaxis(level, axis, -1), *side, 1 if fits else 3) for axis, side in sides)
     profiles = [_binned(*each, 0.0, each[0].max(initial=0.0), 1.0 if fits else _HANN) for each in along]
     return PowerSpectrum(
         wave_number=bins.q,

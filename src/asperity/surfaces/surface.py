@@ -334,8 +334,7 @@ def check_square(heights: ArrayLike) -> None:
     InputError
         The pixels are not square.
     """
-    size = heights.pixel_size if isinstance(heights, Surface) else None
-    if isinstance(heights, Surface) and size is not None and not prepare.is_square(size):
+    if isinstance(heights, Surface) and (size := heights.pixel_size) and not prepare.is_square(size):
         unit = f" {heights.length_unit}" if heights.length_unit else ""
         got = f"{size[0]:.4g}{unit} between rows and {size[1]:.4g}{unit} between columns"
         cure = {"resample": True} if "file" in heights.provenance else {}

@@ -41,7 +41,7 @@ _FACTS = {
 }
 _SDF = re.compile(r"[ab](ISO|BCR)-\d")
 _MEASURES = re.compile("unit|scale|einheit|pixel|size|resolution|length", re.IGNORECASE)
-_LOGARITHM, _DOWNWARD = re.compile(r"(?i)(log|lg|ln)\b|log_?10"), re.compile("depth|tiefe|profond")
+_DOWNWARD = re.compile("depth|tiefe|profond")
 _AXES = (
     Role("", "", r"\bstd|\berr|uncert|mask|valid"),
     Role("y", "m", r"^y\d?\b|position y\b|y.?position"),
@@ -86,12 +86,10 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
         number = 1 + [line.strip() for line in lines].index(words[0])
         expected = f"only numbers, or a header of a known kind, in line {number}"
         advice = "a # before header lines, and NaN for undefined pixels"
-        got = repr(shortened(words[0], 60))
-        raise SurfaceFileError(str(path), expected=expected, got=got, advice=advice)
+        raise SurfaceFileError(str(path), expected=expected, got=repr(shortened(words[0], 60)), advice=advice)
     rows, others = {}, []
-    labels = [
-        shortened("".join(block.fact("channel")), 40) or "matrix" * (len(blocks) > 1) for block in blocks
-    ]
+    titles = [shortened("".join(block.fact("channel")), 40) for block in blocks]
+    labels = [title or "matrix" * (len(blocks) > 1) for title in titles]
     for name, table, block in zip(_distinct(labels), tables, blocks, strict=True):
         unit = "".join(block.fact("unit"))
         if unit and not is_length(spelled(unit)):
@@ -108,9 +106,9 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
 
 def _distinct(names: list[str]) -> list[str]:
     """Names of channels, those that occur more than once with a number."""
-    return [
-        f"{name}#{names[:i].count(name)}" * (names.count(name) > 1) or name for i, name in enumerate(names, 1)
-    ]
+    numbers = [names[:i].count(name) for i, name in enumerate(names, 1)]
+    numbered = zip(names, numbers, strict=True)
+    return [f"{name}#{number}" if names.count(name) > 1 else name for name, number in numbered]
 
 
 def _by_library(path: Path, channel: str | int | None) -> RawSurface | None:
@@ -170,11 +168,10 @@ def _roles(table: Table) -> list[tuple[str, str | None]]:
     if not any(table.names):
         return []
     columns = Columns(table, _AXES)
-    roles = (
-        columns.roles if "z" in columns.roles else ["z" if role == "y" else role for role in columns.roles]
-    )
+    stand_in = {} if "z" in columns.roles else {"y": "z"}
+    roles = [stand_in.get(role, role) for role in columns.roles]
     for at in (at for at, role in enumerate(roles) if role == "z"):
-        others = columns.scaled(at) or ["a logarithm"] * (_LOGARITHM.match(table.names[at]) is not None)
+        others = columns.scaled(at) or ["a logarithm"] * (at in columns.logarithms)
         if others or _DOWNWARD.search(normal(table.names[at])):
             got = f"{table.names[at]!r}, with {others[0]}" if others else f"the depths {table.names[at]!r}"
             raise SurfaceFileError(table.name, expected="a column of heights, upward", got=got)
