@@ -2,13 +2,12 @@
 
 import inspect
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.errors import CallError
 from asperity.relaxation import PronySeries, Relaxation, material
 from asperity.relaxation.materials import relaxing_of
 from tests.refusals import refuses
@@ -138,23 +137,6 @@ def test_a_file_of_something_else(text, name, got, tmp_path, monkeypatch):
     Path("a.toml").write_text(text)
     with refuses(name, got):
         material("a.toml")
-
-
-@pytest.mark.parametrize(
-    ("moved", "there"),
-    [
-        *(
-            (name, f"asperity.relaxation.material(..., {name}=...)")
-            for name in ("poisson", "hardness", "draws")
-        ),
-        ("branches_per_decade", "asperity.relaxation.material(..., per_decade=...)"),
-        ("pixel", "instrument={'pixel': ...}"),
-        ("legs", "protocol=[...]"),
-    ],
-)
-def test_arguments_that_moved_are_refused_with_their_place(moved, there):
-    with refuses("predict", repr(moved), advice=there, kind=CallError):
-        asp.predict("table.csv", "scan.opd", **cast(Any, {moved: 1.0}))
 
 
 def test_predict_takes_about_a_dozen_arguments():

@@ -15,7 +15,6 @@ from asperity.prediction.plausible import remarks_on_history
 from asperity.prediction.results import resolved
 from asperity.solids import half_space
 from asperity.surfaces import Surface, combined, levelling, prepare, read, spectral
-from tests.instrument_files import stored
 from tests.refusals import each_refuses, refuses
 
 EDGES = "the contact would be at the edges"
@@ -390,17 +389,3 @@ def test_an_undefined_frame_is_told_how_to_be_cropped():
     framed[::2] = np.nan
     with refuses("scan.npy", "1441", kind=SurfaceFileError):  # which no crop helps
         as_read(framed)
-
-
-def test_a_border_that_was_not_measured_bears_nothing():
-    assert not read(stored("scans/border-plane.txt"), **LENGTHS).heights.any()
-    measured = np.loadtxt(stored("scans/border-tilted.txt"))
-    known = ~np.isnan(measured)
-    i, j = np.indices(measured.shape)
-    terms = np.stack([np.ones(measured.shape), i, j], axis=-1)
-    level = measured - terms @ np.linalg.lstsq(terms[known], measured[known], rcond=None)[0]
-    surface = read(stored("scans/border-tilted.txt"), **LENGTHS)
-    assert surface.heights.max() == pytest.approx(np.nanmax(level), rel=1e-12)
-    contact = press(surface, half_space(modulus="3 GPa"), load="20 mN")
-    assert contact.contact_fraction < 0.0035
-    assert not contact.in_contact[~known].any()

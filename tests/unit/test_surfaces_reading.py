@@ -197,15 +197,6 @@ def test_a_value_stands_for_undefined_pixels(void):
     assert found("a.asc", files.text(holed, ESRI.format("nan")))[1]["undefined_pixels"] == 5
 
 
-def test_a_grid_whose_header_names_its_void():
-    surface, record = found(stored("scans/corner-nodata.asc"))
-    measured = np.loadtxt(stored("scans/corner-nodata.asc"), skiprows=6)
-    assert record["undefined_pixels"] == (measured == -9999).sum() == 465
-    assert record["undefined_by"] == ["NODATA_value -9999 in the header: 465 pixels"]
-    assert (surface.heights == measured).sum() == measured.size - 465
-    assert surface.pixel_size == (1.0, 1.0)
-
-
 @pytest.mark.parametrize(
     ("labels", "numbers"),
     [
