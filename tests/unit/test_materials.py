@@ -69,13 +69,6 @@ def test_a_solid_a_file_and_draws(tmp_path):
     elastic = material(young="3 GPa", poisson=0.5).solid
     assert relaxing_of(elastic).modulus == pytest.approx(4e9)
     assert not elastic.branches
-    law = 'creep = "eyring"\ncreep_rate = "1 nm/s"\ncreep_stress = "20 MPa"'
-    file.write_text(f'[solid]\nkind = "half_space"\nmodulus = 3e9\n{law}')
-    assert material(file).solid.creep == asp.solids.Eyring(rate=1e-9, stress=2e7)
-    law = 'creep_energy = "1 eV"\ncreep_volume = "1 nm^3"\ncreep_prefactor = "1 m/s"\ntemperature = "20 degC"'
-    file.write_text(f'[solid]\nkind = "half_space"\nmodulus = 3e9\ncreep = "eyring"\n{law}')
-    facts: Any = {"energy": "1 eV", "volume": "1 nm^3", "prefactor": "1 m/s", "temperature": "20 degC"}
-    assert material(file).solid.creep == asp.solids.Eyring.activated(**facts)
     file.write_text('[solid]\nkind = "half_space"\nmodulus = 3e9\ncreep = "none"')
     assert material(file).solid.creep is None
 
