@@ -1,7 +1,5 @@
 """Analysis: what a history, a prediction or an instrument says, by closed forms, counting, known spreads."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """Numbers in words, and units: the same numbers as plain ones in SI through every door, or one clear line."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from functools import partial
