@@ -34,13 +34,13 @@ def test_door_accepts_whatever_is_an_array_and_never_aliases_it():
     assert (check_heights([1.0]).shape, check_heights([[1.0]]).shape) == ((1,), (1, 1))
 
 
-@pytest.mark.skipif(
-    np.finfo(np.longdouble).max == np.finfo(float).max, reason="long numbers have the range of others"
-)
-def test_door_refuses_numbers_beyond_the_range_of_others():
+def test_door_refuses_masked_heights_and_numbers_beyond_the_range_of_others():
     # What is no number is given to all public functions, in test_public_calls.
-    with refuses("heights", "0"):
-        check_heights(np.array([np.longdouble("1e4000"), 0]))
+    with refuses("heights", "2 masked of 4"):
+        check_heights(np.ma.masked_equal([[0.0, 1.0], [7.0, 7.0]], 7.0))
+    if (wide := np.finfo(np.longdouble).max) > np.finfo(float).max:
+        with refuses("heights", "0"):
+            check_heights(np.array([wide, 0]))
 
 
 def test_statistics_agree_with_scipy():
