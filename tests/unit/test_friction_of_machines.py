@@ -194,7 +194,7 @@ def test_what_rests_is_the_load_point():
 @pytest.mark.slow
 @pytest.mark.parametrize(("protocol", "law"), [(STEPS, "slip"), (HOLDS, "aging")])
 def test_intervals_cover_the_truth_as_often_as_they_say(protocol, law):
-    time, place, _, friction = exact(*protocol, law=law)
+    time, place, _, friction = exact(protocol[0], protocol[1], law=law)
     hits = dict.fromkeys(("a", "b", "D_c", "stiffness"), 0)
     for seed in range(CASES):
         fit = F.rate_and_state(noisy(time, friction, seed, load_point=place), law=law, stiffness="fit")

@@ -28,6 +28,7 @@ from tests.refusals import each_refuses, refuses
 pytestmark = pytest.mark.usefixtures("here")
 SCAN = Surface(gaussian((16, 16)), unit="um", pixel_size=(2.0, 2.0), length_unit="um")
 RIDGES = Surface(gaussian((32,)), unit="um", pixel_size=(2.0,), length_unit="um")
+PINT: Any = pint.UnitRegistry().Quantity
 BARE = gaussian((16, 16))
 HALF_SPACE = half_space(modulus=3e9, branches=[(0.3, 1e-2), (0.2, 60.0)])
 MACHINE = half_space(modulus=3e9, apparatus=1e6)
@@ -86,11 +87,10 @@ def test_a_text_becomes_a_number() -> None:
     "unit", ["Pa", "N", "m", "s", "m/s", "Hz", "J", "K", "J/mol", "J/m^2", "ohm m", "W/m/K"]
 )
 def test_prefixes_are_those_of_pint_to_the_last_bit(unit: str) -> None:
-    registry: pint.UnitRegistry[Any] = pint.UnitRegistry()
     random = np.random.default_rng(0)
     for prefix in _PREFIXES:
         for amount in (1.0, 0.3, *random.lognormal(0, 10, 20).tolist()):
-            expected = registry.Quantity(amount, f"{prefix}{unit}").to(unit).magnitude
+            expected = PINT(amount, f"{prefix}{unit}").to(unit).magnitude
             assert quantity(f"{amount} {prefix}{unit}", unit) == expected, (prefix, amount)
 
 
@@ -132,7 +132,7 @@ def test_a_unit_in_another_case_is_refused_with_the_one_that_is_meant(written, u
 
 
 def test_quantities_of_pint_are_texts_with_units() -> None:
-    of: Any = pint.UnitRegistry().Quantity
+    of = PINT
     same(press(SCAN, HALF_SPACE, load=of(10, "mN")), press(SCAN, HALF_SPACE, load=0.01))
     same(press(SCAN, HALF_SPACE, pressure=of(1, "kgf/mm^2")), press(SCAN, HALF_SPACE, pressure=9806650.0))
     same(press(SCAN, MACHINE, separation=of(1, "um")), press(SCAN, MACHINE, separation=1e-6))
