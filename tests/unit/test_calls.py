@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.app.config import config_from
 from asperity.errors import CallError, InputError, Remark
 from tests.refusals import refuses
 
@@ -137,16 +136,6 @@ def test_bodies_are_shown_with_the_units_that_they_have(thing, words):
     assert words in repr(thing)
 
 
-def test_toml_takes_the_size_of_pixels_for_waves_too():
-    waves = {"kind": "spectral", "shape": [8], "unit": "um"}
-    one, other = (
-        config_from({"surface": waves | {name: 0.5}}, {}, None) for name in ("spacing", "pixel_size")
-    )
-    assert one == other
-    flagged = config_from({"surface": waves}, {"surface": {"pixel_size": [0.5]}}, None)
-    assert flagged == one
-
-
 def test_a_remark_is_at_the_line_that_called():
     made = SURFACES.gaussian((8, 8), rms="1 um", unit="um")
     rough = dataclasses.replace(made, filled=np.ones((8, 8), dtype=bool))
@@ -165,9 +154,10 @@ def test_a_remark_is_at_the_line_that_called():
 @pytest.mark.parametrize(
     ("name", "advice"),
     [
-        ("poisson", "asperity.relaxation.material(..., poisson=...)"),
-        ("young", "asperity.relaxation.material(..., young=...)"),
-        ("temperature", "asperity.relaxation.material(..., temperature=...)"),
+        *(
+            (name, f"asperity.relaxation.material(..., {name}=...)")
+            for name in ("poisson", "young", "temperature", "hardness", "draws")
+        ),
         ("branches_per_decade", "asperity.relaxation.material(..., per_decade=...)"),
         ("resistivity", "carried=asperity.Carried(resistivity=...)"),
         ("pixel", "instrument={'pixel': ...}"),

@@ -1,7 +1,5 @@
 """The configuration: what it accepts, the solids that it makes, how it names every mistake, and as Python."""
 
-from __future__ import annotations
-
 import json
 import pickle
 import time

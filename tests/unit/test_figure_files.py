@@ -1,7 +1,5 @@
 """Figures as files: formats, sizes, letters, the table beside each; single panels; measured points."""
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Figures: what is drawn is what analysis found, and a reader is told what it is."""
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import io

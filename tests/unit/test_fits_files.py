@@ -140,23 +140,6 @@ def test_values_are_found_by_name_and_unit_whatever_their_place(header, quantity
     np.testing.assert_array_equal(found.value, [[1, 2], [2, 3], [3, 4]][place])
 
 
-@pytest.mark.parametrize(
-    ("header", "columns"),
-    [("time_s,contact_um", "0 1"), ("time_s,depth_nm", None), ("Zeit_s,Kraft_N", "0 1")],
-)
-def test_a_chosen_column_in_the_unit_of_something_else_is_no_area(header, columns):
-    Path("t.csv").write_text(f"{header}\n1,2\n2,3\n")
-    choice = {"columns": columns} if columns else {"value": 1}
-    with refuses(f"column '{header.split(',')[1]}' of t.csv", header.split("_")[-1]):
-        read_measurements("t.csv", "area", **choice)
-
-
-def test_what_is_no_time_is_not_taken_for_one_as_it_is_first():
-    Path("t.csv").write_text("load,area\n1,2\n2,3\n")
-    with refuses("t.csv", "columns 'load', 'area'"):
-        read_measurements("t.csv", "area")
-
-
 @pytest.mark.parametrize("between", ["", "# second hold", "; time area", "time,area"])
 def test_blocks_whose_times_overlap_are_no_series(between):
     Path("t.csv").write_text(f"time,area\n1,2\n2,3\n4,5\n{between}\n1,2\n2,4\n")
@@ -178,22 +161,6 @@ def test_rows_in_any_order_and_blocks_that_follow_each_other_are_a_series(text):
 def test_a_ratio_is_no_unit(name):
     Path("t.csv").write_text(f"time_s,{name}\n1,2\n2,3\n")
     assert [*read_measurements("t.csv").value] == [2, 3]
-
-
-@pytest.mark.parametrize(
-    "name", ["contact stiffness (N/m)", "contact conductance (S)", "area (kN/m)", "contact diameter (um)"]
-)
-def test_a_stiffness_a_conductance_or_a_diameter_is_no_area(name):
-    Path("t.csv").write_text(f"time_s,{name}\n1,2\n2,3\n")
-    with refuses("t.csv", repr(name)):
-        read_measurements("t.csv", "area")
-
-
-@pytest.mark.parametrize("name", ["2 sigma (um2)", "95 % CI", "variance", "expanded uncertainty (k=2)"])
-def test_what_is_no_standard_error_is_not_taken_for_one(name):
-    Path("t.csv").write_text(f"time_s,area_um2,{name}\n1,2,0.1\n2,3,0.1\n")
-    with refuses(f"column '{name}' of t.csv", "a multiple or a square of it"):
-        read_measurements("t.csv", "area", stderr=2)
 
 
 def test_two_columns_without_names_hold_no_errors_beside_values():

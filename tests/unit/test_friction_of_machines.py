@@ -191,22 +191,17 @@ def test_what_rests_is_the_load_point():
         assert healing == pytest.approx(TRUTH.b, rel=0.15)
 
 
-def coverage(protocol, law, count, **measured):
-    """How often the intervals hold the truth."""
+@pytest.mark.slow
+@pytest.mark.parametrize(("protocol", "law"), [(STEPS, "slip"), (HOLDS, "aging")])
+def test_intervals_cover_the_truth_as_often_as_they_say(protocol, law):
     time, place, _, friction = exact(protocol[0], protocol[1], law=law)
     hits = dict.fromkeys(("a", "b", "D_c", "stiffness"), 0)
-    for seed in range(count):
+    for seed in range(CASES):
         fit = F.rate_and_state(noisy(time, friction, seed, load_point=place), law=law, stiffness="fit")
         for name, value in zip(hits, TRUTH[:4], strict=True):
             low, high = fit.interval(name)
             hits[name] += low <= value <= high
-    return hits
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("protocol", "law"), [(STEPS, "slip"), (HOLDS, "aging")])
-def test_intervals_cover_the_truth_as_often_as_they_say(protocol, law):
-    assert min(coverage(protocol, law, CASES).values()) >= binom.ppf(0.004, CASES, 0.95)
+    assert min(hits.values()) >= binom.ppf(0.004, CASES, 0.95)
 
 
 @pytest.mark.slow

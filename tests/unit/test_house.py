@@ -6,6 +6,7 @@ import json
 import pkgutil
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 
@@ -76,6 +77,7 @@ def imported(file):
             yield from (alias.name for alias in node.names)
 
 
+@cache
 def files_of(source, package):
     """Names of the modules of a package, and what each imports."""
     parts = {

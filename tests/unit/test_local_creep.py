@@ -138,15 +138,6 @@ HALF_SPACE = {"kind": "half_space", "modulus": 1e9, "creep": "eyring"}
 ACTIVATED = {"creep_energy": "1 eV", "creep_volume": "0.1 nm^3", "temperature": "300 K"}
 
 
-def test_configurations_know_activated_laws_and_permanent_shares():
-    warm = configured(**HALF_SPACE, creep_prefactor=1.0, **ACTIVATED)
-    law = Eyring.activated(energy="1 eV", volume="0.1 nm^3", temperature="300 K", prefactor=1.0)
-    assert warm.solid.build().creep == law
-    kept = configured(**HALF_SPACE, creep_rate=0.1, creep_stress=0.2, permanent=0.3)
-    assert kept.solid.build() == half_space(modulus=1e9, creep=LAW, permanent=0.3)
-    assert "permanent=0.3" in to_python(kept, [1.0])
-
-
 def test_the_summary_states_the_units_of_activated_creep():
     told = ACTIVATED | {"creep_energy": "100 kJ/mol", "creep_prefactor": "1 m/s", "temperature": "25 degC"}
     surface = asp.surfaces.Surface(1e-7 * ROUGH, unit="m", pixel_size=(1e-6, 1e-6), length_unit="m")

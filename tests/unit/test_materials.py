@@ -1,14 +1,12 @@
 """Materials: a half-space with what is known of it, from a table, a series, a solid, or a file."""
 
-import inspect
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.errors import CallError
 from asperity.relaxation import PronySeries, Relaxation, material
 from asperity.relaxation.materials import relaxing_of
 from tests.refusals import refuses
@@ -70,13 +68,6 @@ def test_a_solid_a_file_and_draws(tmp_path):
     elastic = material(young="3 GPa", poisson=0.5).solid
     assert relaxing_of(elastic).modulus == pytest.approx(4e9)
     assert not elastic.branches
-    law = 'creep = "eyring"\ncreep_rate = "1 nm/s"\ncreep_stress = "20 MPa"'
-    file.write_text(f'[solid]\nkind = "half_space"\nmodulus = 3e9\n{law}')
-    assert material(file).solid.creep == asp.solids.Eyring(rate=1e-9, stress=2e7)
-    law = 'creep_energy = "1 eV"\ncreep_volume = "1 nm^3"\ncreep_prefactor = "1 m/s"\ntemperature = "20 degC"'
-    file.write_text(f'[solid]\nkind = "half_space"\nmodulus = 3e9\ncreep = "eyring"\n{law}')
-    facts: Any = {"energy": "1 eV", "volume": "1 nm^3", "prefactor": "1 m/s", "temperature": "20 degC"}
-    assert material(file).solid.creep == asp.solids.Eyring.activated(**facts)
     file.write_text('[solid]\nkind = "half_space"\nmodulus = 3e9\ncreep = "none"')
     assert material(file).solid.creep is None
 
@@ -138,27 +129,6 @@ def test_a_file_of_something_else(text, name, got, tmp_path, monkeypatch):
     Path("a.toml").write_text(text)
     with refuses(name, got):
         material("a.toml")
-
-
-@pytest.mark.parametrize(
-    ("moved", "there"),
-    [
-        *(
-            (name, f"asperity.relaxation.material(..., {name}=...)")
-            for name in ("poisson", "hardness", "draws")
-        ),
-        ("branches_per_decade", "asperity.relaxation.material(..., per_decade=...)"),
-        ("pixel", "instrument={'pixel': ...}"),
-        ("legs", "protocol=[...]"),
-    ],
-)
-def test_arguments_that_moved_are_refused_with_their_place(moved, there):
-    with refuses("predict", repr(moved), advice=there, kind=CallError):
-        asp.predict("table.csv", "scan.opd", **cast(Any, {moved: 1.0}))
-
-
-def test_predict_takes_about_a_dozen_arguments():
-    assert len(inspect.signature(asp.predict).parameters) <= 17
 
 
 def test_predict_takes_what_a_material_is_made_of():

@@ -1,7 +1,5 @@
 """Patches found, measured, linked and followed, against flood fill, shapes by hand, counting, and chance."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise, product
 from typing import Any, cast

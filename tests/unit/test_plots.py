@@ -1,7 +1,5 @@
 """Plots of one thing, figures and animations of a history: what is drawn are its numbers, words are true."""
 
-from __future__ import annotations
-
 import re
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """Progress: lines in logs, a bar on terminals and in notebooks; results do not depend on it."""
 
-from __future__ import annotations
-
 import io
 import itertools
 import sys

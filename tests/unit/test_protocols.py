@@ -27,23 +27,30 @@ MIRRORED = asp.press(asp.surfaces.Surface(uncorrelated(16), edges="reflecting"),
 NAN = float("nan")
 
 
+TARGET = "load, pressure, separation and approach"
+
+
+def follow(*legs: Any, of: asp.Contact = CONTACT) -> asp.History:
+    return asp.age(of, [1.0], protocol=legs)
+
+
+def slid(distance: float | str = 3.0, of: asp.Contact = CONTACT, **how: Any) -> asp.History:
+    return follow(Slide(distance, velocity=0.1, **how), of=of)  # type: ignore[arg-type]
+
+
 def test_what_cannot_be():
     each_refuses(
-        ("duration", "-1.0", lambda: Hold(-1.0)),
+        ("duration", "-1.0", Hold, -1.0),
         ("mobility", "0.0", lambda: Hold(1.0, mobility=0.0)),
         ("hold", "'height'", lambda: Hold(1.0, hold="height")),  # type: ignore[arg-type]
-        ("load, pressure, separation and approach", "none", lambda: Ramp(1.0)),
-        (
-            "load, pressure, separation and approach",
-            "load and separation",
-            lambda: Ramp(1.0, load=1.0, separation=1.0),
-        ),
+        (TARGET, "none", Ramp, 1.0),
+        (TARGET, "load and separation", lambda: Ramp(1.0, load=1.0, separation=1.0)),
         ("separation", "nan", lambda: Ramp(1.0, separation=NAN)),
-        ("load, pressure, separation and approach", "none", lambda: Step()),
-        ("protocol", "[]", lambda: Repeat([], 2)),
-        ("protocol", "'hold'", lambda: Repeat([Hold(1.0), "hold"], 2)),  # type: ignore[list-item]
+        (TARGET, "none", Step),
+        ("protocol", "[]", Repeat, [], 2),
+        ("protocol", "'hold'", Repeat, [Hold(1.0), "hold"], 2),
         ("protocol", "1,000 times 1,000", lambda: Repeat([Repeat([Repeat([Hold(1.0)], 1000)], 1000)], 1000)),
-        ("protocol", "101,000", lambda: asp.age(CONTACT, [1.0], protocol=[Repeat([Hold(1.0)], 1000)] * 101)),
+        ("protocol", "101,000", follow, *[Repeat([Hold(1.0)], 1000)] * 101),
         ("distance", "0.0", lambda: Slide(0.0, velocity=1.0)),
         ("direction", "'z'", lambda: Slide(3.0, velocity=1.0, direction="z")),
         ("direction", "(0, 0)", lambda: Slide(3.0, velocity=1.0, direction=(0, 0))),
@@ -52,31 +59,23 @@ def test_what_cannot_be():
         ("protocol", "[]", lambda: asp.age(CONTACT, [1.0], protocol=[])),
         ("protocol", "'h'", lambda: asp.age(CONTACT, [1.0], protocol="hold")),  # type: ignore[arg-type]
         ("hold", "'load'", lambda: asp.age(CONTACT, [1.0], protocol=[Hold(1.0)], hold="load")),
-        ("separation", lambda: asp.age(HALF_SPACE, [1.0], protocol=[Hold(1.0), Step(separation=0.0)])),
-        ("separation", lambda: asp.age(HALF_SPACE, [1.0], protocol=[Hold(1.0, hold="separation")])),
+        ("separation", lambda: follow(Hold(1.0), Step(separation=0.0), of=HALF_SPACE)),
+        ("separation", lambda: follow(Hold(1.0, hold="separation"), of=HALF_SPACE)),
         ("separation", lambda: asp.age(HALF_SPACE, [1.0], hold="separation")),
         ("separation", lambda: asp.press(uncorrelated(16), HALF_SPACE.solid, separation=1.0)),
-        ("hold", "a contact without load", lambda: asp.age(LIFTED, [1.0], protocol=[Hold(1.0, hold="area")])),
-        ("hold", "a contact without load", lambda: asp.age(LIFTED, [1.0], protocol=[Ramp(1.0, load=3.0)])),
-        ("distance", "0.3", lambda: asp.age(CONTACT, [1.0], protocol=[Slide(0.3, velocity=0.1)])),
-        (
-            "direction",
-            "(1,)",
-            lambda: asp.age(CONTACT, [1.0], protocol=[Slide(3.0, velocity=0.1, direction=(1,))]),
-        ),
-        ("units", "'3 um'", lambda: asp.age(CONTACT, [1.0], protocol=[Slide("3 um", velocity=0.1)])),  # type: ignore[arg-type]
-        (
-            "direction",
-            "'y'",
-            lambda: asp.age(LINE, [1.0], protocol=[Slide(3.0, velocity=0.1, direction="y")]),
-        ),
-        ("slide", lambda: asp.age(MIRRORED, [1.0], protocol=[Slide(3.0, velocity=0.1)])),
+        ("hold", "a contact without load", lambda: follow(Hold(1.0, hold="area"), of=LIFTED)),
+        ("hold", "a contact without load", lambda: follow(Ramp(1.0, load=3.0), of=LIFTED)),
+        ("distance", "0.3", slid, 0.3),
+        ("direction", "(1,)", lambda: slid(direction=(1,))),
+        ("units", "'3 um'", slid, "3 um"),
+        ("direction", "'y'", lambda: slid(of=LINE, direction="y")),
+        ("slide", slid, 3.0, MIRRORED),
         ("hold", "3", lambda: asp.age(CONTACT, [1.0], hold="area")),  # few sites: no area to keep
-        ("shift", "[1.0, 2.0, 3.0]", lambda: asp.slide(CONTACT, [1.0, 2.0, 3.0])),
-        ("shift and distance", "none", lambda: asp.slide(CONTACT)),
+        ("shift", "[1.0, 2.0, 3.0]", asp.slide, CONTACT, [1.0, 2.0, 3.0]),
+        ("shift and distance", "none", asp.slide, CONTACT),
         ("units", "'3 um'", lambda: asp.slide(CONTACT, distance="3 um")),
-        ("slide", lambda: asp.slide(MIRRORED, 1)),
-        ("contact", "ndarray", lambda: asp.slide(CONTACT.heights, 1)),  # type: ignore[arg-type]
+        ("slide", asp.slide, MIRRORED, 1),
+        ("contact", "ndarray", asp.slide, CONTACT.heights, 1),
         ("heights", lambda: asp.press(CONTACT, asp.solids.spring_lattice(k0=1.0, k1=4.0), load=3.0)),
     )
 

@@ -10,7 +10,6 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import gamma
 
-import asperity as asp
 from asperity.relaxation import (
     PronySeries,
     arrhenius,
@@ -225,24 +224,6 @@ def test_creep_under_a_power_law_and_a_fractional_zener_solid_is_as_accurate(acc
             if relaxed:
                 creep = 10 - 9 * mittag_leffler(n, relaxed ** (1 / n) * t)
             assert np.abs(found.compliance_at(t) / creep - 1).max() <= accuracy, (n, relaxed, first)
-
-
-@pytest.mark.parametrize("accuracy", [1e-2, 1e-3])
-@pytest.mark.parametrize("n", [0.5, *(pytest.param(n, marks=pytest.mark.slow) for n in EXPONENTS)])
-def test_areas_under_a_power_law_are_as_accurate(n, accuracy):
-    """Under a constant load they are those of an elastic solid under F G(0) J(t)."""
-    rough = asp.surfaces.spectral((64, 64), roll_off=32.0, cutoff=8.0, rms_height=1.0, seed=2)
-    found = power_law(modulus=1, exponent=n, time=1, first=1, last=100, accuracy=accuracy)
-    solid, elastic = (
-        asp.solids.half_space(modulus=found.modulus, branches=found.branches),
-        asp.solids.half_space(modulus=1.0),
-    )
-    times, load = np.array([1.0, 10.0, 100.0]), 500 / 100**n
-    area = asp.age(asp.press(rough, solid, load=load), times)["area"].values[1:]
-    creep = times**n / (gamma(1 + n) * gamma(1 - n))
-    exact = np.array([asp.press(rough, elastic, load=load * factor).area for factor in creep])
-    assert exact[-1] > 150
-    assert (np.abs(area - exact) <= 1 + accuracy * exact).all(), (area, exact)
 
 
 @pytest.mark.parametrize(

@@ -1,16 +1,13 @@
 """One run from its configuration: what is kept when a part of it fails, and the numbers it chooses itself."""
 
-import warnings
-
 import numpy as np
 import pytest
 
-import asperity as asp
 import asperity.app.runs.pipeline as module
 from asperity.app.config import config_from
 from asperity.app.runs import Progress, execute
 from asperity.app.runs.defaults import map_times, modest_load
-from asperity.errors import ConvergenceError, Remark
+from asperity.errors import ConvergenceError
 from asperity.prediction.predicting import hold_times
 from tests.refusals import refuses
 
@@ -111,13 +108,3 @@ def test_a_run_remarks_what_a_prediction_would(surface, rest, said):
     assert {
         one for one in (SPRINGS, CRUSHED, CLOSED, FEW, PIXELS) if any(one in text for text in remarks)
     } == said
-
-
-def test_pressing_beyond_the_modulus_is_remarked_where_there_are_units():
-    rough = asp.surfaces.spectral((16, 16), rms_slope=0.1, pixel_size=0.5, unit="um")
-    solid = asp.solids.half_space(modulus="3 GPa")
-    with pytest.warns(Remark, match=r"times E\*"):
-        asp.press(rough, solid, pressure="6400 GPa")
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        asp.press(rough.heights, asp.solids.half_space(modulus=3.0), pressure=6400.0)

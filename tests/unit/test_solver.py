@@ -135,24 +135,6 @@ def test_forces_beyond_a_bound_or_off_contact_are_violations(interface, force, c
     assert interface.violation(np.array(force), np.arange(3) < contacts) == pytest.approx(worst)
 
 
-@pytest.mark.parametrize(
-    ("interface", "total", "admitted"),
-    [
-        (RIGID, None, [1.0, 3.0, 0.0, 0.0]),
-        (RIGID, 2.0, [0.5, 1.5, 0.0, 0.0]),
-        (RIGID, -1.0, [0.0, 0.0, 0.0, 0.0]),
-        (Interface(low=-0.5), None, [1.0, 3.0, -0.5, 0.0]),
-        (Interface(high=2.0), None, [1.0, 2.0, 0.0, 0.0]),
-        (Interface(high=2.0), 3.5, [1.5, 2.0, 0.0, 0.0]),
-        (Interface(high=2.0), 9.0, [2.0, 2.0, 0.0, 0.0]),
-        (Interface(external=np.array([0.5, 0.0, 0.0, -1.0])), 1.5, [0.5 + 1 / 3.5, 3 * 2 / 3.5, 0.0, -1.0]),
-    ],
-)
-def test_admitted_forces_are_within_bounds_and_add_up(interface, total, admitted):
-    force, contacts = np.array([1.0, 3.0, -2.0, 7.0]), np.arange(4) < 3
-    np.testing.assert_allclose(interface.admit(force, contacts, total), admitted)
-
-
 def test_a_violation_knows_what_yields_and_the_smallest_force_that_matters():
     force, touching = np.array([1.0, 0.9, 0.0]), np.array([True, True, False])
     assert Interface(high=1.0).violation(force, touching, touching) == pytest.approx(0.1 / 0.95)

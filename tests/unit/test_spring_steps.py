@@ -13,18 +13,8 @@ from asperity.aging.field_steps import FieldSteps
 from asperity.aging.spring_steps import SpringSteps
 from asperity.aging.tr_bdf2 import Aim, extrapolation
 from asperity.contact import ActiveSet, Multigrid, Separation
-from asperity.contact.multigrid.loops import Sites, rows
-from asperity.contact.multigrid.processor import Processor
 from asperity.contact.problem import TOLERANCE
 from tests.surfaces import correlated, uncorrelated
-
-
-def packed(field, mirrored=False):
-    """A field as multigrid has it, with images."""
-    parted = Processor().packed(field)
-    for row in parted:
-        rows.wrap(row, Sites(len(field), len(field[0]), mirrored))
-    return parted
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
@@ -142,18 +132,6 @@ def test_nine_decades_take_few_cycles():
     steps = int((history["steps"] + history["rejected"]).sum())
     assert steps < 175  # 148
     assert int(history["iterations"].sum()) < 14 * steps  # 12
-
-
-def run(error_of, stop, length):
-    """Follow errors of steps to a time; all lengths that were taken."""
-    controller, time, taken = Controller(step_tolerance(2e-3), length), 0.0, []
-    while time < stop:
-        step = controller.step(time, stop)
-        assert not controller.is_stuck(time, step)
-        if controller.accepts(step, error_of(time, step)):
-            time = stop if step == stop - time else time + step
-            taken.append(step)
-    return taken
 
 
 @pytest.mark.parametrize(("stops", "longest"), [(1000, math.inf), (1, 0.001)])

@@ -15,7 +15,6 @@ from asperity.prediction.plausible import remarks_on_history
 from asperity.prediction.results import resolved
 from asperity.solids import half_space
 from asperity.surfaces import Surface, combined, levelling, prepare, read, spectral
-from tests.instrument_files import stored
 from tests.refusals import each_refuses, refuses
 
 EDGES = "the contact would be at the edges"
@@ -131,19 +130,6 @@ def test_no_filled_pixel_is_above_the_rim_of_its_hole(patch):
             own = holes == hole
             rim = scipy.ndimage.binary_dilation(own) & ~own
             assert direct.heights[own].max() <= direct.heights[rim].max()
-
-
-def test_the_bow_of_a_scan_is_removed_as_it_was_added():
-    heights = rough(1, roll_off=20)
-    bowed = heights + 7 * U**2 + 11 * V**2 + 3 * U * V - 4 * U
-    plain = as_read(heights, tilt="quadratic").heights
-    array = Surface(bowed, "um", edges="reflecting").level("quadratic")
-    np.testing.assert_allclose(array.heights, plain, atol=1e-12)
-    assert (array.unit, array.edges, array.provenance["tilt_rule"]) == ("um", "reflecting", "quadratic")
-    bowed[20:24, 30:33] = np.nan
-    found, known = as_read(bowed, tilt="quadratic").heights, ~np.isnan(bowed)
-    # Less of the heights' own long waves is seen where pixels are undefined.
-    np.testing.assert_allclose(found[known], plain[known], atol=0.01)
 
 
 def test_spikes_are_counted_and_filled_if_asked_and_no_other_pixel():
@@ -374,6 +360,7 @@ def test_lines_are_levelled_by_their_medians():
     np.testing.assert_allclose(found.heights[known], level[known], atol=1e-12)
     array = as_read(lined, tilt="none", max_undefined=0.2).level(lines="median")
     np.testing.assert_allclose(array.heights, found.heights, atol=1e-12)
+    assert (array.edges, array.provenance["tilt_rule"]) == (found.edges, "plane")
     each_refuses(
         ("lines", "'median'", lambda: as_read(lined[0], lines="median", max_undefined=0.5)),
         ("lines", "'mean'", lambda: Surface(heights).level(lines=wrong)),
@@ -390,17 +377,3 @@ def test_an_undefined_frame_is_told_how_to_be_cropped():
     framed[::2] = np.nan
     with refuses("scan.npy", "1441", kind=SurfaceFileError):  # which no crop helps
         as_read(framed)
-
-
-def test_a_border_that_was_not_measured_bears_nothing():
-    assert not read(stored("scans/border-plane.txt"), **LENGTHS).heights.any()
-    measured = np.loadtxt(stored("scans/border-tilted.txt"))
-    known = ~np.isnan(measured)
-    i, j = np.indices(measured.shape)
-    terms = np.stack([np.ones(measured.shape), i, j], axis=-1)
-    level = measured - terms @ np.linalg.lstsq(terms[known], measured[known], rcond=None)[0]
-    surface = read(stored("scans/border-tilted.txt"), **LENGTHS)
-    assert surface.heights.max() == pytest.approx(np.nanmax(level), rel=1e-12)
-    contact = press(surface, half_space(modulus="3 GPa"), load="20 mN")
-    assert contact.contact_fraction < 0.0035
-    assert not contact.in_contact[~known].any()

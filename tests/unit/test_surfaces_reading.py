@@ -197,15 +197,6 @@ def test_a_value_stands_for_undefined_pixels(void):
     assert found("a.asc", files.text(holed, ESRI.format("nan")))[1]["undefined_pixels"] == 5
 
 
-def test_a_grid_whose_header_names_its_void():
-    surface, record = found(stored("scans/corner-nodata.asc"))
-    measured = np.loadtxt(stored("scans/corner-nodata.asc"), skiprows=6)
-    assert record["undefined_pixels"] == (measured == -9999).sum() == 465
-    assert record["undefined_by"] == ["NODATA_value -9999 in the header: 465 pixels"]
-    assert (surface.heights == measured).sum() == measured.size - 465
-    assert surface.pixel_size == (1.0, 1.0)
-
-
 @pytest.mark.parametrize(
     ("labels", "numbers"),
     [
@@ -287,6 +278,9 @@ XY = "x in \u00b5m,y in nm\n"
 DEKTAK = files.text(np.c_[np.round(0.156 * STEPS, 1), PROFILE], separator=",").replace(b"\n", b",,\n")
 DEKTAK = b"Scan Parameters\nStylus,Radius: 2.5 um\n\nScan Data\nLateral um,Raw Micrometer,\n" + DEKTAK
 NUMBERED = np.c_[np.arange(1, 33), WIDE]
+PLACES = "Position X (um);Position Y (um);H\u00f6he (nm);z std (nm)\n"
+LINE = "x [um] y [um] z [nm]\n"
+LEVEL = np.full(60, 2.5)
 
 
 @pytest.mark.parametrize(
@@ -307,6 +301,21 @@ NUMBERED = np.c_[np.arange(1, 33), WIDE]
         ("a.csv", WEG, PROFILE, (0.1,), ("um", "mm")),
         ("a.csv", DEKTAK, PROFILE, (0.156,), ("um", "um")),
         ("a.csv", files.text(np.c_[0.1 * STEPS, PROFILE], XY, ","), PROFILE, (0.1,), ("nm", "um")),
+        (
+            "a.csv",
+            PLACES.encode() + files.text(np.c_[POINTS, 0 * POINTS[:, 0]], "", ";"),
+            Z[::-1],
+            STEP,
+            ("nm", "um"),
+        ),
+        ("line.xyz", files.text(np.c_[0.1 * STEPS, LEVEL, PROFILE], LINE), PROFILE, (0.1,), ("nm", "um")),
+        (
+            "line.xyz",
+            files.text(np.c_[LEVEL, 0.1 * STEPS, PROFILE], LINE),
+            PROFILE[::-1],
+            (0.1,),
+            ("nm", "um"),
+        ),
         ("a.txt", files.text(TABLE), WIDE, (0.25e-6, 1e-6), ("1", None)),
         ("a.txt", files.text(TABLE[:, 1:]), WIDE, None, ("1", None)),
         ("a.txt", files.text(TABLE[1:]), WIDE, None, ("1", None)),
@@ -407,24 +416,8 @@ def test_heights_without_a_unit_are_given_that_of_the_file(tmp_path):
     np.testing.assert_allclose(surface.heights, H)
 
 
-@pytest.mark.parametrize("constant", [0, 1])
-def test_points_of_one_line_are_a_profile(constant):
-    along, heights = np.arange(0.0, 5.0, 0.1), np.random.default_rng(0).normal(size=50)
-    columns = np.column_stack([*np.insert([along], constant, 2.5, axis=0), heights])
-    np.savetxt("line.xyz", columns, header="x [um] y [um] z [nm]")
-    profile, _ = found("line.xyz")
-    np.testing.assert_allclose(profile.heights, heights if constant else heights[::-1])
-
-
 @pytest.mark.parametrize("name", ["z*1000", "z/1000", "log z", "ln_z", "Profiltiefe", "profile depth"])
 def test_columns_of_other_numbers_are_no_heights(name):
     rows = "".join(f"{0.5 * n};{n % 3}\n" for n in range(20))
     with pytest.raises(SurfaceFileError):
         found("p.csv", f"x (um);{name} (um)\n{rows}".encode())
-
-
-def test_two_positions_are_two_axes():
-    rows = "".join(f"{x};{y};{x + 7 * y};1\n" for y in range(6) for x in range(5))
-    surface, _ = found("g.csv", f"Position X (um);Position Y (um);Höhe (nm);z std (nm)\n{rows}".encode())
-    assert surface.pixel_size == (1.0, 1.0)
-    np.testing.assert_array_equal(surface.heights, np.arange(5) + 7 * np.arange(6)[::-1, None])

@@ -77,50 +77,38 @@ def test_headers_of_relaxation(header, second, pascals, measured):
     assert ", 5 rows" in data.source
 
 
-@pytest.mark.parametrize(
-    ("name", "per_second"),
-    [
-        ("frequency_Hz", TURN),
-        ("Frequenz [kHz]", 1e3 * TURN),
-        ("fréquence (mHz)", 1e-3 * TURN),
-        ("f / hz", TURN),
-        ("frequency_rpm", TURN / 60),
-        ("omega [rpm]", TURN / 60),
-        ("frequency [1/min]", TURN / 60),
-        ("Frequenz [U/min]", TURN / 60),
-        ("frequency [cycles/s]", TURN),
-        ("frequency [rev/min]", TURN / 60),
-        ("frequency [r/min]", TURN / 60),
-        ("omega [rps]", TURN),
-        ("ω [cpm]", TURN / 60),
-        ("frequency [1/s]", TURN),
-        ("frequency [s^-1]", TURN),
-        ("angular frequency (1/s)", 1),
-        ("omega [1/s]", 1),
-        ("Kreisfrequenz / s⁻¹", 1),
-        ("pulsation [rad/s]", 1),
-        ("omega_rad_s", 1),
-        ("frequency [rad/s]", 1),
-        ("frequency [deg/s]", math.pi / 180),
-        ("ω [°/s]", math.pi / 180),
-        ("lg(f/Hz)", None),
-    ],
-)
-def test_frequencies(name, per_second):
-    numbers = RISING.copy()
-    if per_second is None:  # a decade of frequency at each step of 1
-        numbers[:, 0], expected = np.arange(5), TURN * 10.0 ** np.arange(5)
-    else:
-        expected = per_second * numbers[:, 0]
-    data = read(written(f"{name};Speichermodul [MPa];Verlustmodul [MPa]", numbers))
-    assert isinstance(data, Dynamic)
-    np.testing.assert_allclose(data.frequency, expected, rtol=1e-12)
-    np.testing.assert_allclose([data.storage, data.loss], 1e6 * numbers[:, 1:].T, rtol=1e-12)
+FREQUENCIES = {
+    "frequency_Hz": TURN,
+    "Frequenz [kHz]": 1e3 * TURN,
+    "fréquence (mHz)": 1e-3 * TURN,
+    "f / hz": TURN,
+    "frequency_rpm": TURN / 60,
+    "omega [rpm]": TURN / 60,
+    "frequency [1/min]": TURN / 60,
+    "Frequenz [U/min]": TURN / 60,
+    "frequency [cycles/s]": TURN,
+    "frequency [rev/min]": TURN / 60,
+    "frequency [r/min]": TURN / 60,
+    "omega [rps]": TURN,
+    "ω [cpm]": TURN / 60,
+    "frequency [1/s]": TURN,
+    "frequency [s^-1]": TURN,
+    "angular frequency (1/s)": 1,
+    "omega [1/s]": 1,
+    "Kreisfrequenz / s⁻¹": 1,
+    "pulsation [rad/s]": 1,
+    "omega_rad_s": 1,
+    "frequency [rad/s]": 1,
+    "frequency [deg/s]": math.pi / 180,
+    "ω [°/s]": math.pi / 180,
+}
+"""Angular frequency over the number in a column of this name."""
 
 
 @pytest.mark.parametrize(
-    ("header", "second", "pascals"),
+    ("header", "per_second", "pascals"),
     [
+        *((f"{name};Speichermodul [MPa];Verlustmodul [MPa]", one, 1e6) for name, one in FREQUENCIES.items()),
         ("frequency_Hz;storage_MPa;loss_MPa", TURN, 1e6),
         ("omega_rad_s;G' (kPa);G'' (kPa)", 1, 1e3),
         ("f [Hz];E' [MPa];E'' [MPa];tan delta", TURN, 1e6),
@@ -128,11 +116,11 @@ def test_frequencies(name, per_second):
         ("Frequency (Hz);Storage Modulus (MPa);Loss Modulus (MPa);T [degC]", TURN, 1e6),
     ],
 )
-def test_headers_of_dynamic_moduli(header, second, pascals):
+def test_headers_of_dynamic_moduli(header, per_second, pascals):
     others = np.zeros((5, header.count(";") - 2))
     data = read(written(header, np.hstack([RISING, others])))
     assert isinstance(data, Dynamic)
-    np.testing.assert_allclose(data.frequency, second * RISING[:, 0], rtol=1e-12)
+    np.testing.assert_allclose(data.frequency, per_second * RISING[:, 0], rtol=1e-12)
     np.testing.assert_allclose([data.storage, data.loss], pascals * RISING[:, 1:].T, rtol=1e-12)
 
 
@@ -154,6 +142,8 @@ def test_logarithms_are_read_by_their_base():
         assert isinstance(data, Creep)
         np.testing.assert_allclose(data.time, 60 * base ** numbers[:, 0], rtol=1e-12)
         np.testing.assert_allclose(data.compliance, 1e-9 * numbers[:, 1])
+    swept = read(written("lg(f/Hz);G' [MPa];G'' [MPa]", np.column_stack([np.arange(5), RISING[:, 1:]])))
+    np.testing.assert_allclose(swept.columns[0], TURN * 10.0 ** np.arange(5), rtol=1e-12)
     curve = read_measurements(written("log10(time/s);area", numbers))
     np.testing.assert_allclose(curve.time, 10 ** numbers[:, 0], rtol=1e-12)
     assert curve.time_unit == "s"

@@ -1,6 +1,8 @@
 """Tables that could be read as other numbers: refused, or read as their headers say."""
 
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,22 +29,75 @@ def written(text: str) -> str:
     return "t.csv"
 
 
+COLUMN, TABLE = "column '{}' of t.csv", "t.csv"
+CHOSEN = partial(read, kind="relaxation", columns="0 1")
+STRAIN = partial(read, stress="1 MPa")
+AREA = partial(read_measurements, quantity="area")
+ERROR = partial(AREA, stderr=2)
+FRICTION = partial(read_measurements, quantity="friction")
+TWO, THREE = "1;2\n2;3\n", "1;2;0.1\n2;3;0.1\n"
+MULTIPLE = "a multiple or a square of it"
+WARM, LOADS = "1;23;5\n2;23.1;6\n", "0;10;0.1\n2;10;3\n62;10;3.3\n"
+TURNED = "100;9;5;10\n50;8.5;5;20\n20;8;5;30\n10;7.6;5;40\n5;7.2;5;50\n"
+
+
+def cases(refused: str, reader: Any, header: str, rows: str, *names: str, got: str = "", **how: Any) -> Any:
+    """Cases of a column, or of a table, that is refused: names, in a header above rows, and a reader."""
+    for name in names:
+        text = f"{header.format(name)}\n{rows}"
+        yield pytest.param(partial(reader, **how), text, refused.format(name), got, id=name)
+
+
 @pytest.mark.parametrize(
-    "name",
+    ("reader", "text", "name", "got"),
     [
-        *("E (100 MPa)", "E [1000 MPa]", "E/1000 (MPa)", "E / 10 (MPa)", "E*5 (MPa)"),
-        *("log. modulus (MPa)", "Modulus log10 (MPa)", "logarithmic modulus (MPa)"),
+        # Factors, logarithms, roots and parts of one in a name.
+        *cases(COLUMN, CHOSEN, "time_s;{}", FALLING, "E (100 MPa)", "E [1000 MPa]", "E/1000 (MPa)"),
+        *cases(COLUMN, CHOSEN, "time_s;{}", FALLING, "E / 10 (MPa)", "E*5 (MPa)", "log. modulus (MPa)"),
+        *cases(COLUMN, CHOSEN, "time_s;{}", FALLING, "Modulus log10 (MPa)", "logarithmic modulus (MPa)"),
+        *cases(COLUMN, read, "t (s);{}", FALLING, "E x10³ (kPa)", "E x1000 (kPa)"),
+        *cases(COLUMN, read, "{};E (MPa)", FALLING, "Time (1000 h)", "time, log10 s", "Log-time (s)"),
+        *cases(COLUMN, read, "{};E (MPa)", FALLING, "Time_log_s"),
+        *cases(COLUMN, AREA, "{};area (um2)", TWO, "sqrt time (s)", "Root time (min)", columns="0 1"),
+        *cases(COLUMN, AREA, "{};area (um2)", TWO, "Time^0.5 (s)", "1/time (s)", columns="0 1"),
+        *cases(COLUMN, STRAIN, "t (s);{}", FALLING, "Strain (%) mean", "Dehnung, ‰", "strain_ppm"),
+        *cases(COLUMN, STRAIN, "t (s);{}", FALLING, "Microstrain"),
+        # Capitals alone do not tell milli from mega, nor points thousands from decimals.
+        *cases(COLUMN, measured, "TIME (S);{}", TWO, "LOAD (MN)", got="'MN'"),
+        *cases(TABLE, measured, "Zeit (s);{}", "0;500\n10;1.000\n20;1.500\n", "Kraft (N)", got="'1.000'"),
+        # A modulus that may be the absolute one; a sweep is no relaxation.
+        *cases(TABLE, read, "f (Hz);{};Loss modulus (MPa)", SWEPT, "Dynamic modulus (MPa)"),
+        *cases(TABLE, read, "f (Hz);Dynamic modulus (MPa);{}", SWEPT, "Elastic modulus (MPa)"),
+        *cases(TABLE, read, "Frequency (Hz);Modulus (MPa);{};Time (s)", TURNED, "Phase angle (°)"),
+        # Two forces of a history, or one across.
+        *cases(TABLE, measured, "Time (s);{};F (mN)", LOADS, "W (mN)", got="'F (mN)' and 'W (mN)'"),
+        *cases(TABLE, measured, "Time (s);{};sigma (MPa)", LOADS, "Sigma_n (MPa)"),
+        *cases(TABLE, measured, "Time (s);{}", TWO, "Tensile force (N)", "Horizontal displacement (mm)"),
+        # Friction in newtons is no coefficient; normal forces below 0 are to be turned.
+        *cases(COLUMN, read_record, "time_s;slip_um;{}", LOADS, "friction_N", "friction, N", "Friction_mN"),
+        *cases(TABLE, read_record, "time_s;x_um;Fx_N;{}", "0;0;5;-10\n1;1;5;-9\n", "Fz_N", got="-10 to -9 N"),
+        # What is no area: changes, stiffnesses, lengths, forces.
+        *cases(TABLE, AREA, "t (s);{}", TWO, "Area change (%)", "Δ area (um2)", "Flächenänderung (%)"),
+        *cases(TABLE, AREA, "time_s;{}", TWO, "contact stiffness (N/m)", "contact conductance (S)"),
+        *cases(TABLE, AREA, "time_s;{}", TWO, "area (kN/m)", "contact diameter (um)"),
+        *cases(COLUMN, AREA, "time_s;{}", TWO, "contact_um", got="um", columns="0 1"),
+        *cases(COLUMN, AREA, "time_s;{}", TWO, "depth_nm", got="nm", value=1),
+        *cases(COLUMN, AREA, "Zeit_s;{}", TWO, "Kraft_N", got="N", columns="0 1"),
+        # What is no quantity is none as nothing else is; what is first is no time as it is first.
+        *cases(TABLE, FRICTION, "t (s);{};Friction force (N)", WARM, "T (°C)", "T [K]", "T_C", "Nr.", "ID"),
+        *cases(TABLE, FRICTION, "t (s);{};Friction force (N)", WARM, "Sample", "Run no."),
+        *cases(TABLE, AREA, "{};area", TWO, "load", got="columns 'load', 'area'"),
+        # What is no standard error.
+        *cases(COLUMN, ERROR, "time_s;area_um2;{}", THREE, "2 sigma (um2)", "95 % CI", got=MULTIPLE),
+        *cases(COLUMN, ERROR, "t;area_um2;{}", THREE, "variance", "expanded uncertainty (k=2)", got=MULTIPLE),
     ],
 )
-def test_factors_and_logarithms_of_a_modulus_are_asked_for(name):
-    with refuses(f"column '{name}' of t.csv"):
-        read(written(f"time_s;{name}\n{FALLING}"), kind="relaxation", columns="0 1")
+def test_what_a_header_leaves_open_is_asked_for(reader, text, name, got):
+    with refuses(name, got):
+        reader(written(text))
 
 
-@pytest.mark.parametrize("name", ["Time (1000 h)", "time, log10 s", "Time_log_s", "Log-time (s)"])
-def test_factors_and_logarithms_of_time_are_asked_for(name):
-    with refuses(f"column '{name}' of t.csv"):
-        read(written(f"{name};E (MPa)\n{FALLING}"))
+def test_a_logarithm_of_time_is_read_by_its_base():
     data = read(written(f"lg-time (s);E (MPa)\n{FALLING.replace('20;', '11;')}"))
     np.testing.assert_allclose(data.columns[0], 10.0 ** np.array([1, 2, 5, 10, 11]))
 
@@ -91,17 +146,12 @@ def test_a_modulus_is_that_of_its_name(name, is_shear):
     assert "columns" not in raised.value.cure  # which would take it for Young's
 
 
-def test_the_dynamic_modulus_may_be_the_absolute_one():
-    for names in ("Dynamic modulus (MPa);Loss modulus (MPa)", "Dynamic modulus (MPa);Elastic modulus (MPa)"):
-        with refuses("t.csv"):
-            read(written(f"f (Hz);{names}\n{SWEPT}"))
+def test_elastic_and_viscous_moduli_are_storage_and_loss():
     data = read(written(f"f (Hz);Elastic modulus (MPa);Viscous modulus (MPa)\n{SWEPT}"))
     np.testing.assert_allclose(data.columns[1], 1e6 * np.array([[5, 6, 7, 7.5, 8], [2, 2.1, 2.2, 2.1, 2]]))
 
 
-def test_capitals_alone_do_not_tell_milli_from_mega():
-    with refuses("column 'LOAD (MN)' of t.csv", "'MN'"):
-        measured(written("TIME (S);LOAD (MN)\n0;1\n2;3\n"))
+def test_a_capital_among_small_letters_is_mega():
     assert measured(written("Time (s);F (MN)\n0;1\n2;3\n")).start == {"load": 1e6}
 
 
@@ -132,17 +182,6 @@ def test_a_history_is_that_of_the_normal_load(names):
     assert (history.start, len(history)) == ({"load": 10.0}, 1)
 
 
-def test_two_forces_of_a_history_are_asked_for():
-    file = written("Time (s);W (mN);F (mN)\n0;10;0.1\n2;10;3\n62;10;3.3\n")
-    with refuses("t.csv", "'F (mN)' and 'W (mN)'"):
-        measured(file)
-    with refuses("t.csv"):
-        measured(written("Time (s);Sigma_n (MPa);sigma (MPa)\n0;1;2\n1;2;3\n"))
-    for name in ("Tensile force (N)", "Horizontal displacement (mm)"):
-        with refuses("t.csv"):
-            measured(written(f"Time (s);{name}\n0;1\n2;3\n"))
-
-
 def test_rows_that_begin_with_an_empty_cell_are_no_comments():
     found = read_measurements(written("Nr;Zeit;Fläche\n;min;mm²\n1;2;3\n2;3;4\n3;5;6\n"), "area")
     assert (found.time_unit, found.value_unit) == ("min", "mm²")
@@ -153,12 +192,6 @@ def test_rows_that_begin_with_an_empty_cell_are_no_comments():
 def test_errors_of_a_spreadsheet_are_missing_cells():
     table = read_table(Path(written("t,E,G\n1,2,3\n2,#DIV/0!,4\n3,#N/A,5\n# 4,5,6\n")))
     np.testing.assert_array_equal(table.values, [[1, 2, 3], [2, np.nan, 4], [3, np.nan, 5]])
-
-
-def test_changes_are_no_values():
-    for name in ("Area change (%)", "Δ area (um2)", "Flächenänderung (%)"):
-        with refuses("t.csv"):
-            read_measurements(written(f"t (s);{name}\n1;2\n2;3\n"), "area")
 
 
 def test_a_unit_after_a_colon_and_a_name_that_is_a_unit():
@@ -193,22 +226,11 @@ def test_friction_in_steps_beyond_the_misfit_is_noted():
     assert "in steps of 0.001, more than" in notes[3][0]
 
 
-def test_normal_forces_below_0_are_to_be_turned():
-    with refuses("t.csv", "-10 to -9 N"):
-        read_record(written("time_s,x_um,Fx_N,Fz_N\n0,0,5,-10\n1,1,5,-10\n2,2,5,-9\n"))
-
-
 def test_units_of_several_columns_stand_in_one_text():
     file = written("time,load\n0,1\n2,3\n")
     for units in ("time=min, load=mN", ["time=min", "load=mN"]):
         history = measured(file, units=units)
         assert (history.start, history[0].duration) == ({"load": 1e-3}, 120.0)
-
-
-@pytest.mark.parametrize("name", ["T (°C)", "T [K]", "T_C", "Nr.", "ID", "Sample", "Run no."])
-def test_what_is_no_quantity_is_not_one_as_nothing_else_is(name):
-    with refuses("t.csv"):
-        read_measurements(written(f"t (s);{name};Friction force (N)\n1;23;5\n2;23.1;6\n"), "friction")
 
 
 def test_a_row_of_units_may_end_with_an_empty_cell():
@@ -220,17 +242,8 @@ def test_a_row_of_units_may_end_with_an_empty_cell():
     assert (found.time_unit, found.value_unit) == ("min", "um2")
 
 
-@pytest.mark.parametrize("name", ["Strain (%) mean", "Dehnung, ‰", "strain_ppm", "Microstrain"])
-def test_parts_of_one_in_a_name_are_asked_for(name):
-    with refuses(f"column '{name}' of t.csv"):
-        read(written(f"t (s);{name}\n1;2\n2;2.5\n5;3\n10;3.5\n20;3.6\n"), stress="1 MPa")
-
-
-def test_friction_in_newtons_is_no_coefficient():
+def test_the_letter_of_static_friction_is_no_second():
     rows = "".join(f"{t};{t};6\n" for t in range(4))
-    for name in ("friction_N", "friction, N", "Friction_mN"):
-        with pytest.raises(InputError):
-            read_record(written(f"time_s;load_point_um;{name}\n{rows}"))
     assert read_record(written(f"time_s;load_point_um;mu_s\n{rows}")).friction[0] == 6
 
 
@@ -239,34 +252,14 @@ def test_a_stress_is_no_modulus(name):
     assert not read(written(f"t (s);{name} (MPa)\n{FALLING}")).absolute
 
 
-def test_a_sweep_is_no_relaxation():
-    rows = "100;9;5;10\n50;8.5;5;20\n20;8;5;30\n10;7.6;5;40\n5;7.2;5;50\n"
-    with refuses("t.csv"):
-        read(written(f"Frequency (Hz);Modulus (MPa);Phase angle (°);Time (s)\n{rows}"))
-
-
 @pytest.mark.parametrize("name", ["Ang. frequency (1/s)", "Radian frequency (1/s)", "Fréq. ang. (1/s)"])
 def test_angular_frequencies_are_not_counted_in_turns(name):
     data = read(written(f"{name};E' (MPa);E'' (MPa)\n{SWEPT}"))
     np.testing.assert_allclose(data.columns[0], [0.1, 1, 10, 100, 1000])
 
 
-def test_points_between_thousands_are_asked_for_beside_numbers_that_lack_them():
-    with refuses("t.csv", "'1.000'"):
-        measured(written("Zeit (s);Kraft (N)\n0;500\n10;1.000\n20;1.500\n"))
+def test_points_in_all_numbers_are_those_of_decimals():
     assert measured(written("Zeit (s);Kraft (N)\n0;1.500\n10;1.000\n100;2.500\n")).start == {"load": 1.5}
-
-
-@pytest.mark.parametrize("name", ["E x10³ (kPa)", "E x1000 (kPa)"])
-def test_a_factor_after_a_letter_is_asked_for(name):
-    with refuses(f"column '{name}' of t.csv"):
-        read(written(f"t (s);{name}\n{FALLING}"))
-
-
-@pytest.mark.parametrize("name", ["sqrt time (s)", "Root time (min)", "Time^0.5 (s)", "1/time (s)"])
-def test_a_root_of_time_is_no_time(name):
-    with refuses(f"column '{name}' of t.csv"):
-        read_measurements(written(f"{name};area (um2)\n1;2\n2;3\n"), "area", columns="0 1")
 
 
 @pytest.mark.parametrize(

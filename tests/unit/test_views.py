@@ -1,7 +1,5 @@
 """What results say of themselves: one short line, and HTML with a picture, numbers and the certificate."""
 
-from __future__ import annotations
-
 import base64
 import functools
 import io
