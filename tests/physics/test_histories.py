@@ -270,24 +270,6 @@ def test_ramp_on_springs_follows_an_explicit_integrator():
         assert np.abs(shape - wanted).max() < 0.01 * np.abs(wanted).max()
 
 
-def test_area_of_a_ramp_is_elastic_under_the_effective_load():
-    rough = correlated(64, hurst=0.8)
-    series = asp.relaxation.PronySeries(10.0, ((0.3, 0.5), (0.3, 20.0)))
-    solid = asp.solids.half_space(modulus=10.0, branches=series.branches)
-    elastic = asp.solids.half_space(modulus=10.0)
-    times = np.array([0.01, 0.6, 1.2, 2.4, 3.0, 30.0])
-    history = asp.age(
-        asp.press(rough, solid, load=0.0), times, protocol=[P.Ramp(2.4, load=100.0), P.Hold(30.0)]
-    )
-    loads = np.minimum(times / 2.4, 1) * 100.0
-    effective = series.effective_load([0.0, *times], [0.0, *loads])[1:]
-    wanted = [asp.press(rough, elastic, load=load).area for load in effective]
-    found = history.dataset.sel(time=times)
-    assert found["area"].values.tolist() == wanted
-    np.testing.assert_allclose(found["load"], loads, rtol=1e-9)
-    assert history.dataset["load"].values[0] == 0
-
-
 def test_no_load_is_for_ramps_alone():
     rough, solid = correlated(16), asp.solids.half_space(modulus=10.0, branches=[(0.3, 0.5)])
     touching, loaded = (asp.press(rough, solid, load=load) for load in (0.0, 1.0))

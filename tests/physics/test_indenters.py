@@ -73,15 +73,6 @@ def test_the_force_is_that_of_a_slow_quadrature(tip):
     np.testing.assert_allclose(force, slow, rtol=0, atol=1e-7 * slow.max())
 
 
-def test_steps_between_times_change_nothing():
-    knots = np.array([0.0, *KNOTS])
-    coarse = np.interp(knots, knots, (-1e-6, *DEPTHS))
-    fine = np.linspace(0, 4, 4001)
-    force = asp.theory.ting(fine, np.interp(fine, knots, coarse), SERIES, RADIUS)
-    at = asp.theory.ting(knots, coarse, SERIES, RADIUS)
-    np.testing.assert_allclose(at, np.interp(knots, fine, force), rtol=0, atol=1e-9 * force.max())
-
-
 def test_an_elastic_solid_obeys_hertz_both_ways():
     solid = asp.relaxation.PronySeries(MODULUS)
     time = np.linspace(0, 4, 101)
