@@ -308,8 +308,8 @@ def test_a_viscoelastic_ball_ages_as_dense_matrices_let_it(shape, load):
     contact = asp.press(heights, half_space(modulus=1.0, branches=branches, adhesion=law), load=load)
     times = [0.25, 0.5, 1.0, 2.0]
     history = asp.age(contact, times, rtol=1e-4, fields_at=times)
-    make: Any = Sticky
-    dense = make(heights, *maxwell(lambda q, _: q / 2, branches), (1.0,) * len(shape)).stick(0.05, 0.4)
+    solid = *maxwell(lambda q, _: q / 2, branches), (1.0,) * len(shape)
+    dense = Sticky.of_laws(heights, *solid).stick(0.05, 0.4)
     dense.within = (contact.gap < 0.4).ravel()
     v, step = np.zeros((1, heights.size)), 0.005
 

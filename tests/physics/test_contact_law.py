@@ -252,9 +252,7 @@ def test_files_of_other_programs_read_back_equal_the_law(law, aged):
     functions = asp.contact_law.law_for("moose", law)
     stiffness = [expected[0], np.append(0, found["stiffness"])]
     for name, curve in (("pressure_of_approach", expected[::-1]), ("stiffness_of_pressure", stiffness)):
-        text = re.search(rf"\[{name}\]\n.*PiecewiseLinear\n +x = '(.*)'\n +y = '(.*)'\n", functions)
-        assert text is not None
-        x, y = map(numbers, text.groups())
+        x, y = curve_of(functions, name)
         assert (np.diff(x) > 0).all()
         assert [x, y] == [pytest.approx(values, rel=1e-9) for values in curve]
     scaled = law_rows(asp.contact_law.law_for("calculix", law, millimeters=True))

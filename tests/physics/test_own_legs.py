@@ -161,24 +161,14 @@ def test_a_body_that_oscillates_touches_on_its_way():
     assert (history.area.values[2:6] > 0).all()  # sin(0.2 pi) > 0.5
 
 
-def test_a_history_with_such_a_leg_is_written_and_resumed(tmp_path):
+def test_a_history_with_such_a_leg_is_written():
     contact = asp.press(uncorrelated(16), SPRINGS, load=10.0)
     protocol = [Step(load=12.0), Repeat([Sine(1.0, 2.0, 0.5, mobility=2.0)], 2), Hold(1.0)]
-    times, place = [0.3, 1.3, 1.7], asp.Checkpoint(tmp_path / "place", every=0)
-    whole = asp.age(contact, times, protocol=protocol)
+    whole = asp.age(contact, [0.3, 1.3, 1.7], protocol=protocol)
     assert protocol_of(whole.dataset) == protocol
     assert [row.kind for row in leg_table(whole.dataset)] == ["step", "sine", "sine", "hold"]
     assert leg_of(described(protocol[1])) == protocol[1]
     assert "sine 1 amplitude=2 period=0.5 mobility=2" in in_words(map(described, protocol))
-
-    def stop(frame):
-        if frame.time == 1.3:
-            raise InterruptedError
-
-    with pytest.raises(InterruptedError):
-        asp.age(contact, times, protocol=protocol, checkpoint=place, progress=stop)
-    resumed = asp.age(contact, times, protocol=protocol, checkpoint=place)
-    assert resumed.dataset.identical(whole.dataset)
 
 
 @dataclass(frozen=True)

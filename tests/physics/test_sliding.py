@@ -96,7 +96,7 @@ def test_a_half_space_slides_as_dense_matrices_say():
     def part(share, time):
         return lambda q, _: share * q, lambda q, _: 1 / (share * time * np.where(q > 0, q, np.inf))
 
-    dense = Dense(heights, lambda q, _: 0.2 * q, [part(*branch) for branch in BRANCHES], spacing)
+    dense = Dense.of_laws(heights, lambda q, _: 0.2 * q, [part(*branch) for branch in BRANCHES], spacing)
     anchors = np.zeros((2, heights.size))
     contact = pressed(heights, HALF_SPACE, load=3.0, spacing=spacing)
     protocol = [P.Hold(2.0), P.Slide(1.0, velocity=1.0), P.Slide(1.5, velocity=3.0, direction="-y")]
