@@ -164,16 +164,6 @@ def test_attraction_revised_with_the_contacts_leads_to_states_of_no_more_energy(
             np.testing.assert_allclose(contact.u, rounds.u, rtol=0, atol=1e-7 * law.range)
 
 
-def test_far_balls_stick_as_one_each():
-    solid, _ = sticking(0.3, 6.0)
-    one, two = (
-        asp.press(Surface(ball((40, width), places), edges="free"), solid, load=0.0)
-        for width, places in ((40, [(0, 0)]), (240, [(0, -100), (0, 100)]))
-    )
-    assert two.area == pytest.approx(2 * one.area, rel=0.02)
-    assert two.energy == pytest.approx(2 * one.energy, rel=0.01)
-
-
 @pytest.mark.parametrize(
     ("n", "zone", "alpha", "top"),
     [

@@ -238,25 +238,6 @@ def test_the_area_stays_in_few_steps_at_a_small_rtol():
     assert history.dataset["steps"].sum() <= 300
 
 
-def test_few_contacts_follow_the_dilute_theory_through_a_history():
-    # Contacts so far apart that they do not feel each other: the theory of one asperity, on these heights.
-    found, foreseen = [], []
-    for seed in range(4):
-        heights = asp.surfaces.gaussian((256, 256), seed=seed)
-        load = 2e-4 * heights.size
-        protocol = [P.Hold(1.0), P.Step(load=0.4 * load), P.Hold(1.0), P.Ramp(1.0, load=1.5 * load)]
-        contact = asp.press(heights, springs(), load=load)
-        data = asp.age(contact, [0.3, 1.0, 1.3, 2.0, 3.0], protocol=protocol).dataset
-        # The theory starts from nothing: the load comes at time 0.
-        times, loads = np.append(0.0, data["time"]), np.append(0.0, data["load"]) / heights.size
-        law = asp.theory.EmpiricalHeights(heights.ravel())
-        share = asp.theory.dilute_history(times, loads, k0=1.0, x1=3.0, heights=law)[1:]
-        found.append(data["area"].values)
-        foreseen.append(share * heights.size)
-    assert np.min(found) >= 5
-    assert np.abs(np.subtract(found, foreseen)).max() <= 1
-
-
 def test_ramp_on_springs_follows_an_explicit_integrator():
     rough = asp.surfaces.gaussian((16, 16), rms=1.0, seed=3)
     times = np.array([0.5, 1.0, 2.0])

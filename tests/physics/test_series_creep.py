@@ -15,7 +15,7 @@ from asperity.errors import ConvergenceError
 from asperity.protocols import Hold, Step
 from asperity.solids import CreepBranch, Eyring, Norton, Solid, half_space
 from asperity.solids.laws import PowerMobility, WaveNumberSpectrum
-from tests.dense_reference import Dense
+from tests.dense_reference import Dense, matrix_of
 from tests.equal_steps import orders, shape_after
 from tests.refusals import refuses
 
@@ -32,8 +32,7 @@ def compliance(shape):
     """Displacement under a unit force at each site, a dense matrix."""
     q = 2 * np.pi * np.hypot(*np.ix_(*map(np.fft.fftfreq, shape, SPACING)))
     q[0, 0] = np.inf
-    unit = np.eye(q.size).reshape(q.size, *shape)
-    return np.fft.ifft2(2 / (MODULUS * q * CELL) * np.fft.fft2(unit)).real.reshape(q.size, q.size)
+    return matrix_of(2 / (MODULUS * q * CELL))
 
 
 def stage(law, tau, pressure, **more):
