@@ -23,6 +23,7 @@ def springs(k1=3.0, R=1.0, R_viscous=0.0):
     return asp.solids.spring_lattice(k0=1.0, k1=k1, R=R, R_viscous=R_viscous)
 
 
+@cache
 def piecewise(*corners):
     """A function of time, linear between corners (time, value); the later of two at one time holds there."""
     times, values = np.array(corners).T
@@ -34,14 +35,6 @@ def piecewise(*corners):
         return values[i] + (values[i + 1] - values[i]) * (time - times[i]) / (times[i + 1] - times[i])
 
     return at
-
-
-@cache
-def explicit(corners, R_viscous, prescribed):
-    """States at four times."""
-    change, law = piecewise(*corners), {"k0": 1.0, "k1": 3.0, "R": 1.0, "R_viscous": R_viscous}
-    load, separation = (change, None) if prescribed == "load" else (None, change)
-    return second_order(uncorrelated(8), load, separation, (0.25, 0.5, 0.75, 1.0), **law)
 
 
 HISTORIES: dict[str, tuple[list[asp.protocols.Leg], list[tuple[float, float]]]] = {
@@ -62,7 +55,7 @@ HISTORIES: dict[str, tuple[list[asp.protocols.Leg], list[tuple[float, float]]]] 
 def test_load_histories_follow_the_explicit_algorithm(name, R_viscous, solver):
     protocol, corners = HISTORIES[name]
     heights, times = uncorrelated(8), np.array([0.25, 0.5, 0.75, 1.0])
-    reference = explicit(tuple(corners), R_viscous, "load")
+    reference = second_order(piecewise(*corners), "load", R_viscous)
     contact = asp.press(heights, springs(R_viscous=R_viscous), load=corners[0][1])
     history = asp.age(contact, times, protocol=protocol, rtol=1e-4, fields_at=times, solver=solver)
     assert_follows(history, reference, contact.u.std())
@@ -73,7 +66,7 @@ def test_load_histories_follow_the_explicit_algorithm(name, R_viscous, solver):
 def test_separation_histories_follow_the_explicit_algorithm(R_viscous, solver):
     heights, times = uncorrelated(8), np.array([0.25, 0.5, 0.75, 1.0])
     moves = ((0, 1.0), (0.25, 1.0), (0.25, 0.7), (0.5, 0.7), (1.0, 1.2))
-    reference = explicit(moves, R_viscous, "separation")
+    reference = second_order(piecewise(*moves), "separation", R_viscous)
     contact = asp.press(heights, springs(R_viscous=R_viscous), separation=1.0)
     # Under viscous creep the mean of u0 differs from where the rigid body was put: a separation is relative.
     first = asp.age(contact, [0.25], rtol=1e-4).final
@@ -88,7 +81,7 @@ def test_a_body_that_comes_down_follows_the_explicit_algorithm(R_viscous, solver
     """Nothing is deformed until it touches, at 0.4: no error of a step is relative to anything."""
     heights, times = uncorrelated(8), np.array([0.25, 0.5, 0.75, 1.0])
     top = float(heights.max())
-    reference = explicit(((0, top + 0.8), (1.0, top - 1.2)), R_viscous, "separation")
+    reference = second_order(piecewise((0, top + 0.8), (1.0, top - 1.2)), "separation", R_viscous)
     contact = asp.press(heights, springs(R_viscous=R_viscous), separation=top + 0.8)
     down = [P.Ramp(1.0, separation=top - 1.2)]
     history = asp.age(contact, times, protocol=down, rtol=1e-4, fields_at=times, solver=solver)
