@@ -43,9 +43,10 @@ def explicit_history(heights, load_at, separation_at, times, dt, *, k0, k1, R, R
 @cache
 def second_order(change, prescribed, R_viscous, times=(0.25, 0.5, 0.75, 1.0), moved_by=None):
     """The same of 64 sites, whose load or separation changes, of two runs: errors of first order cancel."""
-    held = (change, None) if prescribed == "load" else (None, change)
+    load_at, separation_at = (change, None) if prescribed == "load" else (None, change)
     law = {"k0": 1.0, "k1": 3.0, "R": 1.0, "R_viscous": R_viscous, "moved_by": moved_by}
-    runs = (explicit_history(uncorrelated(8), *held, times, 1 / steps, **law) for steps in (100, 200))
+    history = uncorrelated(8), load_at, separation_at, times
+    runs = (explicit_history(*history, 1 / steps, **law) for steps in (100, 200))
     return [(2 * u_fine - u, 2 * u0_fine - u0) for (u, u0), (u_fine, u0_fine) in zip(*runs, strict=True)]
 
 

@@ -1,6 +1,7 @@
 """Sliding: shifts of the rough surface under a body whose crept shape stays with the body."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -64,7 +65,7 @@ def moved_by(time):
     return (0, int(np.clip(slid, 0, 2))) if time < 0.8 - 1e-9 else (1, 1)
 
 
-HELD = {"load": lambda _: 6.0, "separation": lambda _: 1.0}
+HELD: dict[str, Any] = {"load": lambda _: 6.0, "separation": lambda _: 1.0}
 
 
 @pytest.mark.parametrize("solver", [Multigrid(), ActiveSet()], ids=["springs", "fields"])

@@ -9,7 +9,7 @@ from scipy.optimize import root
 from scipy.special import ive, kve
 
 import asperity as asp
-from asperity.relaxation import Material, PronySeries, wlf
+from asperity.relaxation import Material
 from asperity.sliding.bands import draws_of_solid
 from asperity.sliding.problem import Sliding
 from asperity.sliding.profile import Profile
@@ -378,36 +378,6 @@ def test_the_energy_that_a_shift_adds_is_friction_times_its_length(solid, load, 
     assert work.sum() > 0
     np.testing.assert_allclose(work[8:], friction[8:], rtol=error)
     assert (data["contact_fraction"].values == 1).all() == (solid is SOFT)
-
-
-def test_the_mirrored_surface_slides_as_the_other_direction():
-    steps: dict[str, Any] = {"speeds": [0.01, 0.1, 1.0], "pressure": 0.05}
-    # A ramp and a drop: the two directions differ.
-    saw = Surface(np.tile(np.linspace(0, 1, 16) ** 2, (8, 1)) * 0.5, pixel_size=PIXEL)
-    there = asp.steady_sliding(SOFT, saw, **steps)
-    mirrored = Surface(saw.heights[:, ::-1], pixel_size=PIXEL)
-    names = ("hysteresis_friction_coefficient", "contact_area", "mean_gap")
-    for other in (
-        asp.steady_sliding(SOFT, mirrored, direction="-x", **steps),
-        asp.steady_sliding(SOFT, Surface(mirrored.heights.T, pixel_size=PIXEL), direction="-y", **steps),
-        asp.steady_sliding(SOFT, Surface(saw.heights.T, pixel_size=PIXEL), direction=(1, 0), **steps),
-    ):
-        for name in names:
-            np.testing.assert_allclose(other[name], there[name], rtol=1e-8)
-    back = asp.steady_sliding(SOFT, saw, direction="-x", **steps)
-    assert (np.abs(back[names[0]] / there[names[0]] - 1) > 0.01).any()
-
-
-def test_another_temperature_shifts_the_curve():
-    series = PronySeries(2.0, tuple(BRANCHES))
-    factor = wlf(8.86, 101.6, 300.0, 310.0)
-    steps = np.geomspace(1e-3, 1e3, 4)
-    curve, shifted = (
-        asp.steady_sliding(asp.relaxation.material(one, modulus="contact"), ROUGH, speeds=at, pressure=0.05)
-        for one, at in ((series, steps), (series.shifted(factor), steps / factor))
-    )
-    for name in ("hysteresis_friction_coefficient", "contact_fraction", "largest_pressure"):
-        np.testing.assert_allclose(shifted[name], curve[name], rtol=1e-8)
 
 
 def test_reflecting_edges_are_mirror_images_and_a_line_is_a_surface_of_ridges():

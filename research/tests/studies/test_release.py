@@ -1,4 +1,4 @@
-"""The force at a held displacement after a partial release: superposition is exact where contacts stay."""
+"""The force at a held displacement after a partial release: its maximum, and that of superposition."""
 
 import math
 
@@ -8,34 +8,6 @@ import asperity as asp
 from asperity_research.studies.release import maximum, superposed
 
 P = asp.protocols
-WAIT, TIMES = 10.0, np.geomspace(0.1, 300.0, 28)
-
-
-def released(solid: asp.solids.Solid, side: int, by: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times since the release and forces of one lone asperity, from the beginning of the history on."""
-    heights = np.zeros((side, side))
-    heights[0, 0] = 100.0
-    contact = asp.press(heights, solid, separation=99.0)
-    assert contact.area == 1
-    times = np.concatenate([TIMES[TIMES < WAIT], WAIT + TIMES])
-    protocol = [P.Hold(WAIT), P.Step(approach=-by), P.Hold(TIMES[-1])]
-    dataset = asp.age(contact, times, protocol=protocol, rtol=1e-4).dataset
-    assert (dataset["area"] == 1).all()
-    return dataset["time"].values, dataset["load"].values
-
-
-def test_a_lone_contact_on_a_half_space_answers_with_the_relaxation_modulus():
-    series = asp.relaxation.PronySeries(1.0, tuple((0.08, time) for time in np.geomspace(1e-2, 1e5, 8)))
-    solid = asp.solids.half_space(modulus=1.0, branches=series.branches, apparatus=math.inf)
-    time, force = released(solid, 16, by=0.3)
-    held = np.flatnonzero(time == WAIT)
-    after = slice(held[1] + 1, None)
-    exact = series.modulus_at(time[after]) - 0.3 * series.modulus_at(time[after] - WAIT)
-    np.testing.assert_allclose(force[after] / force[0], exact, rtol=1e-3)
-    fall = (force[held[0]] - force[held[1]]) / force[0]
-    assert abs(fall - 0.3) < 1e-9
-    found = maximum(time[after] - WAIT, force[after])
-    assert abs(math.log(found / superposed(series, WAIT, fall))) < 0.05
 
 
 def test_the_superposed_maximum_of_a_modulus_like_a_logarithm_is_a_fixed_multiple_of_the_wait():
