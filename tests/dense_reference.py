@@ -1,4 +1,4 @@
-"""Any solid on a small periodic lattice, by dense matrices: the slow and obvious judge of creep.
+"""Any solid on a small lattice, by dense matrices: the slow and obvious judge of creep.
 
 Relative to the rigid body at X, with v_b = u_b - X,
 
@@ -13,30 +13,41 @@ import scipy.integrate
 import scipy.linalg
 
 
+def matrix_of(spectrum):
+    """The matrix that multiplies Fourier modes of a periodic field by a spectrum."""
+    n, axes = spectrum.size, range(1, spectrum.ndim + 1)
+    unit = np.fft.fftn(np.eye(n).reshape(n, *spectrum.shape), axes=axes)
+    return np.fft.ifftn(spectrum * unit, axes=axes).real.reshape(n, n).T
+
+
 class Dense:
-    """A solid given by functions of the magnitude q of the wave vector and of lam(q), for each area.
+    """A solid given by H, by C and M C of each branch, and whether anything hangs on the rigid body."""
 
-    ``branches`` are pairs of stiffness C and mobility M; both are finite at q = 0.
-    """
+    def __init__(self, heights, H, C=(), rate=(), *, hangs):
+        self.heights, self.n, self.H, self.C, self.rate = heights.ravel(), heights.size, H, C, rate
+        self.hangs, self.touching = hangs, np.zeros(self.n, dtype=bool)
 
-    def __init__(self, heights, permanent, branches, spacing):
-        self.heights, self.n = heights.ravel(), heights.size
+    @classmethod
+    def of_laws(cls, heights, permanent, branches, spacing):
+        """Functions of the magnitude q of the wave vector and of lam(q), for each area.
+
+        ``branches`` are pairs of stiffness C and mobility M; both are finite at q = 0.
+        """
         angles = np.meshgrid(*(2 * np.pi * np.fft.fftfreq(n) for n in heights.shape), indexing="ij")
         q = np.sqrt(sum((angle / d) ** 2 for angle, d in zip(angles, spacing, strict=True)))
         lam = sum(2 - 2 * np.cos(angle) for angle in angles)
         cell = np.prod(spacing)
-        unit = np.fft.fftn(np.eye(self.n).reshape(self.n, *heights.shape), axes=range(1, heights.ndim + 1))
-
-        def dense(spectrum):
-            columns = np.fft.ifftn(spectrum * unit, axes=range(1, heights.ndim + 1)).real
-            return columns.reshape(self.n, self.n).T
-
         stiffness = [cell * law(q, lam) * np.ones_like(q) for law in (permanent, *(c for c, _ in branches))]
-        self.H, *self.C = map(dense, stiffness)
         rates = [c * m(q, lam) / cell for c, (_, m) in zip(stiffness[1:], branches, strict=True)]
-        self.rate = [dense(rate) for rate in rates]
-        self.hangs = sum(c.flat[0] for c in stiffness) > 0
-        self.touching = np.zeros(self.n, dtype=bool)
+        H, *C = map(matrix_of, stiffness)
+        return cls(heights, H, C, [*map(matrix_of, rates)], hangs=sum(c.flat[0] for c in stiffness) > 0)
+
+    @classmethod
+    def of_compliance(cls, heights, compliance, branches=()):
+        """A Maxwell solid of branches (share, time): the displacement at once by forces of sites."""
+        S, rest = np.linalg.inv(compliance), 1 - sum(share for share, _ in branches)
+        rates = [np.eye(heights.size) / time for _, time in branches]
+        return cls(heights, rest * S, [share * S for share, _ in branches], rates, hangs=True)
 
     def contact(self, v, load=None, position=None, known=0.0):
         """The surface u, X and r for given anchors, by guesses of the set of contacts that get better.

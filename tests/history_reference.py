@@ -1,9 +1,12 @@
 """The paper's explicit algorithm along any history: the judge of protocols. Slow and obvious."""
 
+from functools import cache
+
 import numpy as np
 
 from tests.independent import laplacian
 from tests.reference import settle, settle_under_load
+from tests.surfaces import uncorrelated
 
 
 def explicit_history(heights, load_at, separation_at, times, dt, *, k0, k1, R, R_viscous=0.0, moved_by=None):
@@ -37,9 +40,12 @@ def explicit_history(heights, load_at, separation_at, times, dt, *, k0, k1, R, R
     return states
 
 
-def second_order(heights, load_at, separation_at, times, **law):
-    """The same, of two runs, in which the error of first order cancels."""
-    history = heights, load_at, separation_at, times
+@cache
+def second_order(change, prescribed, R_viscous, times=(0.25, 0.5, 0.75, 1.0), moved_by=None):
+    """The same of 64 sites, whose load or separation changes, of two runs: errors of first order cancel."""
+    load_at, separation_at = (change, None) if prescribed == "load" else (None, change)
+    law = {"k0": 1.0, "k1": 3.0, "R": 1.0, "R_viscous": R_viscous, "moved_by": moved_by}
+    history = uncorrelated(8), load_at, separation_at, times
     runs = (explicit_history(*history, 1 / steps, **law) for steps in (100, 200))
     return [(2 * u_fine - u, 2 * u0_fine - u0) for (u, u0), (u_fine, u0_fine) in zip(*runs, strict=True)]
 

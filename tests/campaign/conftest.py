@@ -6,7 +6,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import time
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from io import StringIO
@@ -20,6 +19,7 @@ from asperity.app.campaign.plan import Plan, plan_to_json, read_plan, with_units
 from asperity.app.campaign.store import Store
 from asperity.app.campaign.worker import run_task
 from asperity.app.cli import main
+from tests.cli.conftest import process
 
 SMALL = """
 [surface]
@@ -115,20 +115,7 @@ def done_here(folder: Path, text: str = SMALL) -> Plan:
 
 def start(*words: str | Path, before: str = "") -> subprocess.Popen[str]:
     """Start the command in a process group of its own, after some Python code."""
-    code = (
-        "import sys\n"
-        "if __name__ == '__main__':\n"
-        f"    {before or 'pass'}\n"
-        "    from asperity.app.cli import main\n"
-        "    sys.exit(main(sys.argv[1:]))"
-    )
-    return subprocess.Popen(
-        [sys.executable, "-c", code, *map(str, words)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
+    return process(*words, before=before, start_new_session=True)
 
 
 def wait_for_a_run(running: subprocess.Popen[str], directory: Path) -> None:

@@ -7,9 +7,11 @@ import os
 import re
 import subprocess
 import sys
+import textwrap
 from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -121,12 +123,14 @@ def rows_of(table: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(stream))
 
 
-def process(*words: str | Path, before: str = "") -> subprocess.Popen[str]:
+def process(*words: str | Path, before: str = "", **how: Any) -> subprocess.Popen[str]:
     """Start the command as a process of its own, after some Python code."""
-    code = f"import sys\n{before}\nfrom asperity.app.cli import main\nsys.exit(main(sys.argv[1:]))"
+    lines = ["import sys", before, "from asperity.app.cli import main", "sys.exit(main(sys.argv[1:]))"]
+    code = "if __name__ == '__main__':\n" + textwrap.indent("\n".join(lines), "    ")
     return subprocess.Popen(
         [sys.executable, "-c", code, *map(str, words)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        **how,
     )

@@ -10,7 +10,6 @@ import asperity as asp
 from asperity.app.cli import main
 from asperity.app.config import config_from
 from asperity.base.units import quantity
-from asperity.base.words import tables_to_toml
 from asperity.errors import ConfigError, Remark
 from asperity.figures import carried_figure
 from tests.cli.conftest import rows_of
@@ -109,25 +108,6 @@ def test_a_run_has_the_columns_and_says_them(history, tmp_path):
     again = tmp_path / "again"
     assert main(["run", str(out / "config.toml"), "--figures", "", "--quiet", "--out", str(again)]) == 0
     np.testing.assert_array_equal(asp.results.load(again)["resistance"], data["resistance"])
-
-
-@pytest.mark.slow
-def test_a_campaign_gathers_the_columns(tmp_path):
-    tables = {
-        "surface": {"kind": "sphere", "shape": [16, 16], "radius": "1 mm", "pixel_size": "1 um"},
-        "solid": {"kind": "half_space", "modulus": "3 GPa", "branches": [[0.5, 1.0]]},
-        "contact": {"load": "0.1 mN"},
-        "aging": {"times": [1.0]},
-        "carried": {"resistivity": 1e-8},
-        "sweep": {"load": ["0.1 mN", "0.2 mN"]},
-    }
-    plan, out = tmp_path / "plan.toml", tmp_path / "out"
-    plan.write_text(tables_to_toml(tables))
-    assert main(["sweep", str(plan), "--out", str(out), "--workers", "1", "--quiet"]) == 0
-    assert main(["gather", str(out)]) == 0
-    gathered = asp.results.load(out / "gathered.zarr")
-    assert gathered["resistance"].dims[0] == "load"
-    assert (gathered["resistance"].diff("load") < 0).all()
 
 
 def test_a_prediction_shows_them(tmp_path):

@@ -54,18 +54,6 @@ def test_measured_times_outside_the_computed_ones_are_remarked(asked, command):
         assert text in Path("out", name).read_text("utf-8")
 
 
-def test_what_is_no_area_is_refused_before_anything_is_computed(asked, mistaken):
-    Path("force.csv").write_text("time_s,force_mN\n0.5,0.3\n5,0.4\n")
-    asked.write_text(asked.read_text() + 'measured = "force.csv"\n')
-    for command in ("run", "predict"):
-        said = mistaken(command, str(asked), "--quiet", "--out", "out")
-        assert "force.csv: expected one column of area, got columns 'time_s', 'force_mN'" in said
-    # An area in um^2 beside a run without units.
-    said = mistaken("run", "--shape", "8", "--measured", "area.csv", "--quiet", "--out", "out")
-    assert "area.csv: expected times without a unit" in said
-    assert not Path("out").exists()
-
-
 @pytest.mark.slow
 def test_single_figures_never_replace_the_table_that_they_are_about(asperity):
     text = "time_s,area\n" + "".join(f"{t},{1 + 0.1 * np.log(t)}\n" for t in (1, 3, 10, 30, 100, 300))

@@ -153,30 +153,6 @@ def test_a_window_in_the_units_of_the_record_and_what_it_lacks(says, refused):
     refused("friction", "lab.csv", "--stiffness", "0.01", "--out", "none")
 
 
-def test_what_does_not_concern_a_record_is_refused(refused):
-    machine("lab.csv", places=["load_point_um"])
-    Path("bits.txt").write_text("1, s")
-    for flag in (
-        ["--strength-at-rest"],
-        ["--calibration", "bits.txt"],
-        ["--shear-strength", "50MPa"],
-        ["--events", "holds", "--from", "20.5 s"],
-        ["--from", "12:30"],
-    ):
-        refused("friction", "lab.csv", *flag, "--out", "none")
-
-
-def test_columns_without_a_displacement_are_refused_with_those_to_choose(refused):
-    machine("lab.csv", places=["load_point_um"])
-    refused("friction", "lab.csv", "--columns", "0", "2", "--out", "none")
-
-
-def test_a_window_with_a_unit_is_refused_where_the_record_has_none(refused):
-    np.savetxt("bare.csv", np.ones((9, 3)).cumsum(0), delimiter=",", header="time,slip,mu", comments="")
-    refused("friction", "bare.csv", "--from", "2 s")
-    refused("friction", "bare.csv", "--from", "20")
-
-
 def test_an_infinite_stiffness_fits_slip_that_is_the_load_point(says):
     machine("lab.csv", places=["load_point_um"])
     assert "given      inf" in says("friction", "lab.csv", "--stiffness", "inf")
@@ -220,10 +196,3 @@ def test_the_surfaces_of_a_campaign(asperity, says, refused, monkeypatch):
     several = xr.concat([runs, runs.assign_coords(k1=[1.0])], "k1")
     monkeypatch.setattr(asp.campaign, "open", lambda _: several)
     refused("friction", "one", "--shear-strength", "0.5", "--out", "none")
-
-
-def test_a_folder_is_replaced_only_where_it_is_asked_for(refused, asperity):
-    write("holds.csv", F.synthetic_record(HOLDS, LAW))
-    assert asperity("friction", "holds.csv", "--a", "0.01", "--quiet")[:2] == (0, "")
-    refused("friction", "holds.csv", "--a", "0.01")
-    assert asperity("friction", "holds.csv", "--a", "0.01", "--overwrite", "--quiet")[0] == 0

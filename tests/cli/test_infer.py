@@ -192,20 +192,3 @@ def test_the_record_of_an_indenter_gives_a_solid_that_predicts(asperity):
     how = ["--file-unit", "um", "--pixel-size", "1", "--length-unit", "um", "--pressure", "10Pa"]
     status, text, _ = asperity("predict", "gel/solid.toml", "--surface", "scan.txt", *how, "--out", "P")
     assert (status, "the band has no error of the solid" in text) == (0, True)
-
-
-@pytest.mark.parametrize(
-    ("flags", "words"),
-    [
-        ((), "--radius"),
-        (("--radius", "10"), "--radius"),
-        (("--radius", "10um", "--ramp", "1s"), "--ramp"),
-        (("--radius", "10um", "--contact", "2um"), "--contact"),
-    ],
-)
-def test_mistakes_about_indenters_name_the_flag(asperity, flags, words):
-    indenter("record.csv")
-    status, _, error = asperity("infer", "record.csv", "--model", "ball", *flags, "--out", "gel")
-    assert status != 0
-    assert words in error
-    assert "Traceback" not in error

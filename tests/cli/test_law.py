@@ -110,23 +110,6 @@ def test_the_figure_has_a_curve_for_each_age_and_direction():
     assert drawn == pytest.approx(drawn[0])
 
 
-def test_a_file_with_keys_that_no_law_has_is_refused(mistaken, scan):
-    Path("legs.toml").write_text(
-        '[[protocol]]\nkind = "hold"\nduration = 3.0\n[solid]\nkind = "half_space"\nmodulus = 3e9\n'
-    )
-    assert "legs.toml: protocol: expected none" in mistaken("law", "legs.toml", *scan, *RANGE, "-q")
-    Path("area.toml").write_text(
-        '[solid]\nkind = "half_space"\nmodulus = 3e9\n[output]\nmeasured = "a.csv"\n'
-    )
-    assert "[output] measured: expected none" in mistaken("law", "area.toml", *scan, *RANGE, "-q")
-    Path("shear.toml").write_text(
-        '[solid]\nkind = "half_space"\nmodulus = 3e9\n[carried]\nshear = 1e-6\nfriction_coefficient = 0.3\n'
-    )
-    assert mistaken("law", "shear.toml", *scan, *RANGE, "-q").startswith(
-        "shear.toml: [carried] shear: expected none"
-    )
-
-
 def test_what_a_law_does_not_use_is_remarked(asperity, scan):
     solid = '[solid]\nkind = "half_space"\nmodulus = 3e9\nbranches = [[0.3, 1.0]]\n'
     solid += "draws = [[[0.3, 1.0]], [[0.2, 1.0]]]\n"
@@ -141,17 +124,3 @@ def test_what_a_law_does_not_use_is_remarked(asperity, scan):
     # What was written has no key that a law ignores.
     assert asperity("law", "law/config.toml", "--out", "again", "-q") == (0, "", "")
     assert "not use" not in Path("again/summary.txt").read_text()
-
-
-@pytest.mark.parametrize(
-    ("flags", "said"),
-    [
-        (("--age", "0s"), "--age: expected --write beside it"),
-        (("--millimeters",), "--millimeters: expected --write beside it"),
-        (("--write", "moose", "--age", "3h"), "--age: expected one of the ages of the law, 0 s, got 3h"),
-        (("--work-of-adhesion", "1mJ/m^2"), "--work-of-adhesion: expected none"),
-        (("--per-decade", "0"), "--per-decade: expected a whole number"),
-    ],
-)
-def test_flags_that_a_law_cannot_use_are_refused(mistaken, scan, flags, said):
-    assert mistaken("law", *scan, "--young", "3GPa", *RANGE[:3], *flags, "-q").startswith(said)

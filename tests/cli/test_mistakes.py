@@ -26,6 +26,8 @@ from asperity.surfaces import gaussian, spectral
 from tests.refusals import matches, refusal
 
 HOLD = ("[[protocol]]", 'kind = "hold"', "duration = 3.0")
+BODY = ("[solid]", 'kind = "half_space"', "modulus = 3e7")
+SPEEDS = ("[sliding]", "speeds = 1.0")
 TABLE = Path(__file__).with_name("mistakes.json")
 MISTAKES = json.loads(TABLE.read_text("utf-8"))
 
@@ -49,6 +51,10 @@ def desk(tmp_path_factory, finished):
     columns = np.stack([record.time, 1e6 * record.displacement, record.friction], axis=-1)
     holds = [",".join(map(str, line)) for line in columns.tolist()]
     areas = [f"{t},{1 - 0.3 * np.exp(-t / 50)},0.01,0.01" for t in held]
+    pulled = [
+        f"{t},{np.interp(t, [0, 10, 20, 55], [0, 100, 100, 450])},{0.6 + 1e-3 * np.sin(t)}" for t in range(56)
+    ]
+    indented = [f"{t},{0.1 * t - 1},{max(0, 0.1 * t - 1) ** 1.5}" for t in range(30)]
     falls = [f"{t} {2 - n / 25}" for n, t in enumerate(held)]
     for name, lines in {
         **{"empty.npy": [], "words.txt": ["1 2", "three 4"], "noheights.txt": ["no heights"]},
@@ -60,6 +66,8 @@ def desk(tmp_path_factory, finished):
             "times.toml": ["[aging]", "times = [5.0]", *HOLD],
         },
         **{"maps.toml": ["[output]", "maps_at = [5.0]", *HOLD], "red.toml": ['["\\u001b[31mred"]']},
+        **{"legs.toml": [*BODY, *HOLD], "measured.toml": [*BODY, "[output]", 'measured = "area.csv"']},
+        **{"speeds.toml": [*BODY, *SPEEDS], "held.toml": [*BODY, "[contact]", "separation = 1e-6", *SPEEDS]},
         **{"bad.toml": ["[surface]", 'path = "noheights.txt"', "[sweep]", "contact.load = [1.0, 2.0]"]},
         **{"sweep.toml": ["[surface]", "shape = [8, 8]", "[sweep]", "seeds = 2"]},
         **{"run.toml": [], "mine.png": ["mine"], "mine.npy": ["no array: what it is is told later"]},
@@ -78,10 +86,12 @@ def desk(tmp_path_factory, finished):
         "few.txt": ["1 .6", "2 .7"],
         "down.csv": ["hold,friction", "1,.9", "2,.8", "3,.7"],
         "holds.csv": ["time_s,displacement_um,friction", *holds],
+        "machine.csv": ["time_s,load_point_um,friction", *pulled],
         "bare.csv": ["time,displacement,friction", *holds],
         "bad.csv": ["time_s,displacement_um,friction", "0,0,0.6", "1,2,0.6", "2,1,0.6"],
         "area.csv": ["time [min],area,stderr,load", *areas],
         "falls.csv": falls,
+        "indenter.csv": ["time_s,depth_um,force_nN", *indented],
         "two_errors.csv": ["time_s,area,area_err,load_err", *areas],
         "percent.csv": ["time_s,area,err_percent,load", *areas],
         "furlongs.csv": ["time (furlong),area,a,b", *areas],

@@ -14,7 +14,7 @@ from asperity.analysis import contact_maps
 from asperity.app.cli import main
 from asperity.base.readable import written
 from asperity.solids import half_space, spring_lattice
-from asperity.surfaces import array, exponential, gaussian, read, self_affine, spectral
+from asperity.surfaces import array, gaussian, read, spectral
 from tests.cli.conftest import SMALL, remarks, rows_of, told
 
 BRIEF = ("--times", "1", "--maps-at", "", "--quiet")
@@ -93,20 +93,6 @@ def test_the_summary_says_what_was_found(tmp_path, asperity):
     reached = [line.split()[2] for line in progress.splitlines() if line.startswith("  t = ")]
     assert reached == ["0", "0.001", "0.01", "0.1", "1", "10"]
     assert "\x1b" not in progress + text
-
-
-def test_every_kind_of_surface(asperity):
-    waves = spectral((16, 8), spacing=0.5, rms_slope=2.0)
-    for words, heights in (
-        ("--shape 16 8", gaussian((16, 8))),
-        ("--shape 64 --rms 2", gaussian(64, rms=2.0)),
-        ("--surface exponential --shape 16,16 --seed 3", exponential((16, 16), seed=3)),
-        ("--surface self_affine --size 16 --hurst 0.8", self_affine(16, hurst=0.8)),
-        ("--surface spectral --shape 16x8 --spacing .5 --unit um --rms-slope 2", waves),
-    ):
-        call = ("run", *words.split(), *BRIEF, "--figures", "", "--out", "out", "--overwrite")
-        assert asperity(*call) == (0, "", "")
-        np.testing.assert_array_equal(results.load("out")["heights"], heights)
 
 
 def test_held_separation_and_chosen_maps_and_formats(tmp_path, says):
@@ -326,10 +312,3 @@ def test_a_file_may_stand_for_the_kind_of_surface(scan, tmp_path):
         words = [*UNITS, *SOLID, "--pressure", "1 MPa", *BRIEF, "--figures", ""]
         assert main(["run", flag, str(scan), *words, "--out", str(tmp_path / name)]) == 0
     assert (tmp_path / "kind/config.toml").read_text() == (tmp_path / "file/config.toml").read_text()
-
-
-@pytest.mark.parametrize("words", ["--rms-height 0.3nm", "--cutoff '8 nm'"])
-def test_a_length_of_a_spectral_surface_with_a_unit_names_the_key_of_units(asperity, words):
-    flag = words.split()[0]
-    status, _, error = asperity("run", "--surface", "spectral", *shlex.split(words))
-    assert (status, "--unit um" in error, flag in error) == (2, True, True)

@@ -65,30 +65,6 @@ def test_a_table_of_moduli_gives_the_curve_of_its_branches(asperity, says, scan,
     np.testing.assert_allclose(again, found["hysteresis_friction_coefficient"], rtol=1e-8)
 
 
-def test_what_cannot_slide_steadily_is_refused(mistaken, scan, table):
-    assert "--beyond-table" in mistaken("sliding", table, *scan, *ASKED, "-q")
-    refused = {
-        (): "--speeds",
-        ASKED[2:]: "--pressure",
-        (*ASKED, "--load", "1mN"): "--load or --pressure, got both",
-        ("--pressure", "1MPa"): "--speeds",
-        (*ASKED, "--branch", "1 1s"): "flows without end",
-        (*ASKED, "--branch", "0.5 1s", "--hardness", "1GPa"): "--hardness: expected none",
-        (*ASKED, "--branch", "0.5 1s", "--edges", "free"): "edges",
-        ("--speeds", "1", "--pressure", "1MPa"): "a number with its unit",
-        ("--speeds", "1um/s", "--load", "1mN", "--periodic", "mirror"): "periodic",
-    }
-    for flags, said in refused.items():
-        assert said in mistaken("sliding", *scan, "--young", "30MPa", *flags, "-q")
-    solid = '[solid]\nkind = "half_space"\nmodulus = 3e7\n'
-    Path("legs.toml").write_text(f'[[protocol]]\nkind = "hold"\nduration = 3.0\n{solid}')
-    assert "protocol: expected none" in mistaken("sliding", "legs.toml", *scan, *ASKED[2:], "-q")
-    Path("bare.toml").write_text(f"{solid}[sliding]\nspeeds = 1.0\n")
-    assert "[contact] pressure" in mistaken("sliding", "bare.toml", *scan, "-q")
-    Path("held.toml").write_text(f"[contact]\nseparation = 1e-6\n{solid}[sliding]\nspeeds = 1.0\n")
-    assert "separation" in mistaken("sliding", "held.toml", *scan, "-q")
-
-
 def test_a_file_of_a_run_slides_a_lattice_of_springs(says):
     text = '[surface]\nkind = "gaussian"\nshape = [16, 16]\nrms = 1.0\nseed = 1\n[contact]\nload = 60.0\n'
     text += '[solid]\nkind = "spring_lattice"\nk0 = 1.0\nk1 = 3.0\n[friction]\nshear_strength = 0.5\n'

@@ -97,16 +97,6 @@ def test_a_part_and_a_band_of_waves(says, refused):
     refused("surface", "rough.npy", "--crop", "2", "30", "0", "8", "--overwrite")
 
 
-def test_reflecting_edges_are_the_mirror_images_without_them(asperity):
-    np.save("rough.npy", gaussian((24, 16), seed=5))
-    areas = []
-    for rule, load in (("reflect", "10"), ("mirror", "40")):
-        words = ("--periodic", rule, "--load", load, "--times", "1", "--figures", "", "--out", rule)
-        assert asperity("run", "--file", "rough.npy", *words, "--quiet")[0] == 0
-        areas.append(results.load(f"{rule}/history.zarr")["area"].values)
-    np.testing.assert_array_equal(4 * areas[0], areas[1])
-
-
 def test_oblong_pixels_are_refused_or_averaged(says, refused):
     x, y = np.meshgrid(np.arange(12.0), 3.0 * np.arange(10), indexing="ij")
     np.savetxt("oblong.xyz", np.stack([x, y, gaussian((12, 10), seed=2)], axis=-1).reshape(-1, 3))

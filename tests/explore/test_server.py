@@ -6,18 +6,14 @@ import asyncio
 import io
 import math
 import os
-import pickle
 import shutil
 import socket
-import subprocess
-import sys
 import time as clock
 import tomllib
 from collections.abc import Coroutine
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext, suppress
 from pathlib import Path
-from subprocess import PIPE
 from types import SimpleNamespace
 from typing import Any
 from urllib.parse import quote
@@ -445,7 +441,9 @@ def test_it_ends_quietly_before_the_end_of_an_upload() -> None:
 @pytest.mark.slow
 def test_its_processes_end_when_it_is_killed() -> None:
     own = Server()
-    with own.page():
+    with own.page() as page:
+        page.send("run", config=LARGE)
+        page.until("stage")
         children = psutil.Process(own.process.pid).children(recursive=True)
         assert children
     own.process.kill()
@@ -489,21 +487,6 @@ def test_a_run_goes_to_another_process_when_the_one_that_waited_has_ended() -> N
         return job.recording.end
 
     assert outcome_of(ended())["kind"] == "done"
-
-
-@pytest.mark.slow
-def test_a_computing_process_ends_with_the_server_that_was_killed() -> None:
-    from asperity.app.explore.jobs import _WORK
-
-    with subprocess.Popen([sys.executable, "-c", _WORK], stdin=PIPE, stdout=PIPE) as computing:
-        assert computing.stdin is not None
-        assert computing.stdout is not None
-        pickle.dump((config_from(LARGE, {}, None), {}, ""), computing.stdin)
-        computing.stdin.flush()
-        while b"taken" not in computing.stdout.read1():  # type: ignore[attr-defined]
-            pass
-        computing.stdin.close()  # as the system does when the server is killed
-        assert computing.wait(timeout=20) == 1
 
 
 def test_a_page_that_leaves_late_stops_no_later_run_of_the_same_name(

@@ -164,16 +164,6 @@ def test_attraction_revised_with_the_contacts_leads_to_states_of_no_more_energy(
             np.testing.assert_allclose(contact.u, rounds.u, rtol=0, atol=1e-7 * law.range)
 
 
-def test_far_balls_stick_as_one_each():
-    solid, _ = sticking(0.3, 6.0)
-    one, two = (
-        asp.press(Surface(ball((40, width), places), edges="free"), solid, load=0.0)
-        for width, places in ((40, [(0, 0)]), (240, [(0, -100), (0, 100)]))
-    )
-    assert two.area == pytest.approx(2 * one.area, rel=0.02)
-    assert two.energy == pytest.approx(2 * one.energy, rel=0.01)
-
-
 @pytest.mark.parametrize(
     ("n", "zone", "alpha", "top"),
     [
@@ -308,8 +298,8 @@ def test_a_viscoelastic_ball_ages_as_dense_matrices_let_it(shape, load):
     contact = asp.press(heights, half_space(modulus=1.0, branches=branches, adhesion=law), load=load)
     times = [0.25, 0.5, 1.0, 2.0]
     history = asp.age(contact, times, rtol=1e-4, fields_at=times)
-    make: Any = Sticky
-    dense = make(heights, *maxwell(lambda q, _: q / 2, branches), (1.0,) * len(shape)).stick(0.05, 0.4)
+    solid = *maxwell(lambda q, _: q / 2, branches), (1.0,) * len(shape)
+    dense = Sticky.of_laws(heights, *solid).stick(0.05, 0.4)
     dense.within = (contact.gap < 0.4).ravel()
     v, step = np.zeros((1, heights.size)), 0.005
 

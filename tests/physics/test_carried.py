@@ -123,16 +123,6 @@ def test_nothing_sticks_until_a_ramp_carries_the_shear_force():
     np.testing.assert_array_equal(series["stick_fraction"], [0.0, *expected])
 
 
-def test_stiffness_is_the_derivative_of_the_load_on_rough_contacts():
-    """By finite differences, on an aged contact: the area changes little while the load does."""
-    heights = asp.surfaces.spectral((128, 128), hurst=0.8, roll_off=32.0, cutoff=8.0, seed=2, rms_height=0.1)
-    solid = asp.solids.half_space(modulus=1.0, branches=[(0.5, 1.0)])
-    aged = asp.age(asp.press(free(heights, 1.0), solid, load=30.0), [3.0]).final
-    more, less = (asp.press(aged, load=30.0 * factor) for factor in (1.01, 0.99))
-    slope = (more.load - less.load) / (less.separation - more.separation)
-    assert aged.normal_stiffness == pytest.approx(slope, rel=5e-3)
-
-
 def test_units_are_read():
     surface = asp.surfaces.sphere((64, 64), radius="1 mm", pixel_size="1 um")
     contact = asp.press(surface, asp.solids.half_space(modulus="3 GPa"), load="1 mN")

@@ -5,10 +5,7 @@ import pytest
 
 from asperity import age, press, relax
 from asperity.aging import creep
-from asperity.contact.anchors import AnchorFields
 from asperity.contact.contact import control_of
-from asperity.contact.problem import Solution
-from asperity.contact.publish import contact_from
 from asperity.solids import spring_lattice
 from asperity.theory import (
     EmpiricalHeights,
@@ -55,15 +52,6 @@ def test_site_stiffness_on_a_large_lattice():
         contact = press(spike((200, 200)), spring_lattice(k0=2.0, k1=2.0 * x1), load=1.0)
         fall = -contact.separation
         assert 1.0 / fall / 2.0 == pytest.approx(site_stiffness(x1), rel=2e-4)
-
-
-@pytest.mark.slow
-def test_line_contact_sinks_like_the_fourth_root_of_time():
-    contact = press(spike((4096,)), spring_lattice(k0=1.0, k1=3.0), load=0.1)
-    times = np.geomspace(1e4, 1e8, 5)
-    fall = -age(contact, times, rtol=1e-4).dataset["separation"].values[1:] / 0.1
-    np.testing.assert_allclose(np.diff(np.log(fall)) / np.diff(np.log(times)), 0.25, atol=2e-3)
-    np.testing.assert_allclose(fall, compliance(3.0, times, dimension=1), rtol=2e-3)
 
 
 def test_independent_springs_are_the_winkler_foundation():
@@ -113,37 +101,6 @@ def test_modes_decay_exponentially_in_full_contact(R, R_viscous, hold):
         # Where the mean of u0 creeps too, the stretch of the springs counts as deformation.
         scale = rough.std() if hold == "load" else np.sqrt(np.mean((rough - contact.u0) ** 2))
         assert error <= 1e-5 * scale
-
-
-@pytest.mark.parametrize("R_viscous", [0.0, 0.3])
-def test_modes_decay_exponentially_without_contact(R_viscous):
-    k0, k1, R = 1.5, 2.0, 0.5
-    n = 24
-    waves = np.sin(2 * np.pi * 3 * np.arange(n) / n)[:, None] * np.cos(2 * np.pi * np.arange(n) / n)[None, :]
-    lam = 4 - 2 * np.cos(2 * np.pi * 3 / n) - 2 * np.cos(2 * np.pi / n)
-    solid = spring_lattice(k0=k0, k1=k1, R=R, R_viscous=R_viscous)
-    free = press(np.full((n, n), -50.0), solid, separation=0.0)
-    system, surface = free.system(), k1 / (k1 + k0 * lam) * waves
-    solution = Solution(surface - system.datum, np.zeros((n, n), dtype=bool), 0, 0)
-    bent = contact_from(system, solution, AnchorFields(waves[np.newaxis] - system.datum), 0.0, bodies=free)
-    rate = (R * lam + R_viscous) * k0 * k1 * lam / (k1 + k0 * lam)
-    for frame in creep(bent, [0.1, 1.0, 5.0], rtol=1e-5):
-        exact = np.exp(-rate * frame.time) * waves
-        np.testing.assert_allclose(frame.contact.u0, exact, atol=1e-5)
-
-
-def test_scaling_stiffness_load_and_mobility_together_changes_nothing():
-    rough = uncorrelated(32)
-    times = np.geomspace(1e-2, 1e4, 7)
-
-    def areas(c, s=1.0):
-        solid = spring_lattice(k0=1.0 * c, k1=3.0 * c, R=0.5 / c)
-        return age(press(s * rough, solid, load=40.0 * c * s), times).dataset["area"].values
-
-    np.testing.assert_array_equal(areas(10.0), areas(1.0))
-    np.testing.assert_array_equal(areas(1e-9), areas(1.0))
-    np.testing.assert_array_equal(areas(1.0, s=1e-9), areas(1.0))
-    np.testing.assert_array_equal(areas(1.0, s=1e6), areas(1.0))
 
 
 def test_dilute_theory_where_it_claims_to_hold():

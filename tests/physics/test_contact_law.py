@@ -52,25 +52,6 @@ def table(law, direction="loading", time=0):
     return law.sel(direction=direction).isel(time=time)
 
 
-def test_a_ball_is_that_of_hertz_without_the_period_of_the_lattice():
-    sites, radius = 256, 4e-3
-    y, x = np.meshgrid(*[(np.arange(sites) - sites / 2) * PIXEL] * 2)
-    area, modulus = (sites * PIXEL) ** 2, 3e9
-    ball = surface(-(x**2 + y**2) / (2 * radius))
-    found = table(asp.law(ELASTIC, ball, pressures=["40 kPa", "400 kPa"], per_decade=4))
-    load, period = found["pressure"].values * area, sites * PIXEL
-    alone = asp.theory.hertz(load, modulus=modulus, radius=radius)
-    array = asp.theory.hertz(load, modulus=modulus, radius=radius, period=period)
-    assert found["approach"].values == pytest.approx(array.approach, rel=0.01)
-    assert found["stiffness"].values * area == pytest.approx(array.stiffness, rel=0.01)
-    # Less what the other balls of the lattice do, in closed form, powers of the load are left.
-    approach = found["approach"].values - array.approach + alone.approach
-    softness = 1 / (found["stiffness"].values * area) - 1 / array.stiffness + 1 / alone.stiffness
-    for values, exponent in ((approach, 2 / 3), (1 / softness, 1 / 3)):
-        constant = values / load**exponent
-        assert constant == pytest.approx(constant[0], rel=0.01)
-
-
 def test_it_interpolates_fresh_presses_and_is_monotone(law):
     found = table(law)
     for name, sign in (("approach", 1), ("stiffness", 1), ("contact_fraction", 1), ("mean_gap", -1)):
@@ -252,9 +233,7 @@ def test_files_of_other_programs_read_back_equal_the_law(law, aged):
     functions = asp.contact_law.law_for("moose", law)
     stiffness = [expected[0], np.append(0, found["stiffness"])]
     for name, curve in (("pressure_of_approach", expected[::-1]), ("stiffness_of_pressure", stiffness)):
-        text = re.search(rf"\[{name}\]\n.*PiecewiseLinear\n +x = '(.*)'\n +y = '(.*)'\n", functions)
-        assert text is not None
-        x, y = map(numbers, text.groups())
+        x, y = curve_of(functions, name)
         assert (np.diff(x) > 0).all()
         assert [x, y] == [pytest.approx(values, rel=1e-9) for values in curve]
     scaled = law_rows(asp.contact_law.law_for("calculix", law, millimeters=True))

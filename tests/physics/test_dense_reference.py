@@ -88,7 +88,7 @@ CHANGES = [
 def test_loads_are_followed_as_dense_matrices_follow_them(name):
     solid, permanent, branches, spacing, unit = SOLIDS[name]
     heights = correlated(8, hurst=0.8)
-    dense = Dense(heights, permanent, branches, spacing)
+    dense = Dense.of_laws(heights, permanent, branches, spacing)
     v, expected, protocol = np.zeros((len(branches), 64)), [], []
     for duration, *ends in CHANGES:
         begin, end = unit * ends[0], unit * ends[1]
@@ -127,7 +127,7 @@ def machine(relative):
 def test_positions_are_followed_as_dense_matrices_follow_them(case):
     solid, permanent, branches, spacing, unit = case
     heights = correlated(8, hurst=0.8)
-    dense = Dense(heights, permanent, branches, spacing)
+    dense = Dense.of_laws(heights, permanent, branches, spacing)
     contact = pressed(heights, solid, load=unit, spacing=spacing)
     _, start, _ = dense.contact(np.zeros((len(branches), 64)), unit)
     assert contact.separation == pytest.approx(start, abs=1e-8)
@@ -196,7 +196,7 @@ def test_a_mean_held_rigidly_is_solved_under_any_load(solid, law, load):
     """It takes no digits from the rest."""
     heights = SELF_AFFINE / SELF_AFFINE.std()
     contact = asp.press(heights, solid, load=load)
-    dense = Dense(heights, law, [], (1.0, 1.0))  # the mean of its surface is free under a load
+    dense = Dense.of_laws(heights, law, [], (1.0, 1.0))  # the mean of its surface is free under a load
     y, mean, force = dense.contact([], load=load)
     np.testing.assert_array_equal(contact.in_contact.ravel(), dense.touching)
     np.testing.assert_allclose(contact.force.ravel(), np.where(dense.touching, force, 0.0), atol=1e-8 * load)

@@ -29,12 +29,6 @@ def test_every_frame_of_an_aging_contact(k1, hold, R_viscous):
             assert_equilibrium(frame.contact, k0=1.0, k1=k1, load=held)
 
 
-def test_a_single_site_carries_a_very_small_load():
-    rough = uncorrelated(64)
-    contact = press(rough, spring_lattice(k0=1.0, k1=3.0), load=1e-5)
-    assert assert_equilibrium(contact, k0=1.0, k1=3.0, load=1e-5).area == contact.area == 1
-
-
 @pytest.mark.parametrize("shape", [(1,), (2,), (7,), (1, 5), (2, 3), (9, 16)])
 def test_lattices_of_any_shape(shape):
     rough = np.random.default_rng(3).normal(size=shape)

@@ -7,20 +7,14 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.aging.local_steps import LocalSteps
-from asperity.aging.separable import SeparableSteps
-from asperity.aging.spring_steps import SpringSteps
 from asperity.contact import ActiveSet, Multigrid, Separation
 from asperity.contact.anchors import AnchorFields
 from asperity.contact.arrays import inverse
 from asperity.contact.choice import chosen_solver
 from asperity.contact.problem import PUBLISHED
 from asperity.contact.publish import contact_from
-from asperity.errors import ConvergenceError
 from asperity.solids import half_space, layer, spring_lattice
 from asperity.surfaces import Surface
-from tests.dense_reference import Dense
-from tests.refusals import refuses
 from tests.surfaces import correlated
 
 HEIGHTS = correlated(32, hurst=0.8)
@@ -55,20 +49,6 @@ def pressed_beside(known, contact, *, control=None, solver=None):
         flat = np.full((mechanics.branches, *solution.u.shape), level)
         level = system.body.displacement(solution.u, flat, system.held(level))
     return contact_from(system, solution, AnchorFields.flat(level, system), level, bodies=contact)
-
-
-def test_time_steps_that_leave_it_out_do_not_begin_with_it():
-    body = half_space(modulus=1.0, branches=[(0.5, 1.0)])
-    for solid, kind in ((spring_lattice(k0=1.0, k1=3.0), SpringSteps), (body, SeparableSteps)):
-        contact = asp.press(HEIGHTS, solid, load=5.0)
-        system = contact.system()
-        solver = chosen_solver(None, system)
-        assert kind.begin(system, solver, contact) is not None
-        assert kind.begin(replace(system, external=uneven(contact)), solver, contact) is None
-    law = asp.solids.Norton(rate=1.0, stress=1.0, exponent=3.0)
-    contact = asp.press(HEIGHTS, half_space(modulus=1.0, creep=law), load=5.0)
-    with refuses("creep", "one"):
-        LocalSteps.begin(replace(contact.system(), external=uneven(contact)), ActiveSet(), contact)
 
 
 def indentation(known, contact):
@@ -114,31 +94,6 @@ def test_a_held_body_is_pulled_as_under_the_load_that_comes_out(name):
         assert held.load == pytest.approx(contact.load, rel=1e-7)
 
 
-def test_springs_relax_beside_it():
-    contact = pressed("springs")
-    system = replace(contact.system(), external=uneven(contact))
-    problem = system.mechanics.implicit_step(np.inf).problem(system.heights, 0.0, system.held())
-    found = Multigrid().solve(problem, None, PUBLISHED)
-    force = problem.spectral().force(found.u)
-    assert found.solver == "ActiveSet"
-    assert np.abs(force[~found.in_contact]).max() < 1e-8 * force[found.in_contact].mean()
-    assert force.sum() + system.external.sum() == pytest.approx(contact.load, rel=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("name", "law"), [("half-space", lambda q, _: q / 2), ("springs", lambda _, lam: lam + 3.0)]
-)
-def test_dense_matrices_find_the_same(name, law):
-    heights, load = HEIGHTS[:8, :8], CASES[name][2] / 16
-    contact = asp.press(heights, CASES[name][0], load=load)
-    known = uneven(contact)
-    found, dense = pressed_beside(known, contact), Dense(heights, law, [], (1.0, 1.0))
-    u, X, r = dense.contact([], load=load, known=known.ravel())
-    np.testing.assert_array_equal(found.in_contact.ravel(), dense.touching)
-    np.testing.assert_allclose((found.force - known).ravel(), np.where(dense.touching, r, 0.0), atol=1e-7)
-    np.testing.assert_allclose(found.u.ravel(), u + X, atol=1e-7)
-
-
 class Pulling:
     """A solver of somebody's own that adds an external force to any problem, twice a half."""
 
@@ -157,15 +112,3 @@ def test_a_wrapper_of_solvers_adds_it_to_problems(solver):
     problem = step.problem(system.heights, 0.0, system.held())
     found = Pulling(solver, known).solve(problem, None, PUBLISHED)
     np.testing.assert_array_equal(found.in_contact, pressed_beside(known, contact).in_contact)
-
-
-def test_forces_off_contact_that_are_not_the_external_ones_are_refused():
-    contact = pressed("half-space")
-    known = uneven(contact)
-    system = replace(contact.system(), external=known)
-    problem = system.mechanics.implicit_step(0.0).problem(system.heights, 0.0, system.held())
-    solution = ActiveSet().solve(problem, None, PUBLISHED)
-    level = float(solution.u.mean())
-    with refuses(kind=ConvergenceError):
-        anchors = AnchorFields.flat(level, system)
-        contact_from(replace(system, external=None), solution, anchors, level, bodies=contact)

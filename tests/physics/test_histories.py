@@ -23,6 +23,7 @@ def springs(k1=3.0, R=1.0, R_viscous=0.0):
     return asp.solids.spring_lattice(k0=1.0, k1=k1, R=R, R_viscous=R_viscous)
 
 
+@cache
 def piecewise(*corners):
     """A function of time, linear between corners (time, value); the later of two at one time holds there."""
     times, values = np.array(corners).T
@@ -34,14 +35,6 @@ def piecewise(*corners):
         return values[i] + (values[i + 1] - values[i]) * (time - times[i]) / (times[i + 1] - times[i])
 
     return at
-
-
-@cache
-def explicit(corners, R_viscous, prescribed):
-    """States at four times."""
-    change, law = piecewise(*corners), {"k0": 1.0, "k1": 3.0, "R": 1.0, "R_viscous": R_viscous}
-    load, separation = (change, None) if prescribed == "load" else (None, change)
-    return second_order(uncorrelated(8), load, separation, (0.25, 0.5, 0.75, 1.0), **law)
 
 
 HISTORIES: dict[str, tuple[list[asp.protocols.Leg], list[tuple[float, float]]]] = {
@@ -62,7 +55,7 @@ HISTORIES: dict[str, tuple[list[asp.protocols.Leg], list[tuple[float, float]]]] 
 def test_load_histories_follow_the_explicit_algorithm(name, R_viscous, solver):
     protocol, corners = HISTORIES[name]
     heights, times = uncorrelated(8), np.array([0.25, 0.5, 0.75, 1.0])
-    reference = explicit(tuple(corners), R_viscous, "load")
+    reference = second_order(piecewise(*corners), "load", R_viscous)
     contact = asp.press(heights, springs(R_viscous=R_viscous), load=corners[0][1])
     history = asp.age(contact, times, protocol=protocol, rtol=1e-4, fields_at=times, solver=solver)
     assert_follows(history, reference, contact.u.std())
@@ -73,7 +66,7 @@ def test_load_histories_follow_the_explicit_algorithm(name, R_viscous, solver):
 def test_separation_histories_follow_the_explicit_algorithm(R_viscous, solver):
     heights, times = uncorrelated(8), np.array([0.25, 0.5, 0.75, 1.0])
     moves = ((0, 1.0), (0.25, 1.0), (0.25, 0.7), (0.5, 0.7), (1.0, 1.2))
-    reference = explicit(moves, R_viscous, "separation")
+    reference = second_order(piecewise(*moves), "separation", R_viscous)
     contact = asp.press(heights, springs(R_viscous=R_viscous), separation=1.0)
     # Under viscous creep the mean of u0 differs from where the rigid body was put: a separation is relative.
     first = asp.age(contact, [0.25], rtol=1e-4).final
@@ -88,7 +81,7 @@ def test_a_body_that_comes_down_follows_the_explicit_algorithm(R_viscous, solver
     """Nothing is deformed until it touches, at 0.4: no error of a step is relative to anything."""
     heights, times = uncorrelated(8), np.array([0.25, 0.5, 0.75, 1.0])
     top = float(heights.max())
-    reference = explicit(((0, top + 0.8), (1.0, top - 1.2)), R_viscous, "separation")
+    reference = second_order(piecewise((0, top + 0.8), (1.0, top - 1.2)), "separation", R_viscous)
     contact = asp.press(heights, springs(R_viscous=R_viscous), separation=top + 0.8)
     down = [P.Ramp(1.0, separation=top - 1.2)]
     history = asp.age(contact, times, protocol=down, rtol=1e-4, fields_at=times, solver=solver)
@@ -238,25 +231,6 @@ def test_the_area_stays_in_few_steps_at_a_small_rtol():
     assert history.dataset["steps"].sum() <= 300
 
 
-def test_few_contacts_follow_the_dilute_theory_through_a_history():
-    # Contacts so far apart that they do not feel each other: the theory of one asperity, on these heights.
-    found, foreseen = [], []
-    for seed in range(4):
-        heights = asp.surfaces.gaussian((256, 256), seed=seed)
-        load = 2e-4 * heights.size
-        protocol = [P.Hold(1.0), P.Step(load=0.4 * load), P.Hold(1.0), P.Ramp(1.0, load=1.5 * load)]
-        contact = asp.press(heights, springs(), load=load)
-        data = asp.age(contact, [0.3, 1.0, 1.3, 2.0, 3.0], protocol=protocol).dataset
-        # The theory starts from nothing: the load comes at time 0.
-        times, loads = np.append(0.0, data["time"]), np.append(0.0, data["load"]) / heights.size
-        law = asp.theory.EmpiricalHeights(heights.ravel())
-        share = asp.theory.dilute_history(times, loads, k0=1.0, x1=3.0, heights=law)[1:]
-        found.append(data["area"].values)
-        foreseen.append(share * heights.size)
-    assert np.min(found) >= 5
-    assert np.abs(np.subtract(found, foreseen)).max() <= 1
-
-
 def test_ramp_on_springs_follows_an_explicit_integrator():
     rough = asp.surfaces.gaussian((16, 16), rms=1.0, seed=3)
     times = np.array([0.5, 1.0, 2.0])
@@ -268,24 +242,6 @@ def test_ramp_on_springs_follows_an_explicit_integrator():
     for (_, u0), field in zip(states, history.dataset["u0"].values, strict=True):
         shape, wanted = field - field.mean(), u0 - u0.mean()
         assert np.abs(shape - wanted).max() < 0.01 * np.abs(wanted).max()
-
-
-def test_area_of_a_ramp_is_elastic_under_the_effective_load():
-    rough = correlated(64, hurst=0.8)
-    series = asp.relaxation.PronySeries(10.0, ((0.3, 0.5), (0.3, 20.0)))
-    solid = asp.solids.half_space(modulus=10.0, branches=series.branches)
-    elastic = asp.solids.half_space(modulus=10.0)
-    times = np.array([0.01, 0.6, 1.2, 2.4, 3.0, 30.0])
-    history = asp.age(
-        asp.press(rough, solid, load=0.0), times, protocol=[P.Ramp(2.4, load=100.0), P.Hold(30.0)]
-    )
-    loads = np.minimum(times / 2.4, 1) * 100.0
-    effective = series.effective_load([0.0, *times], [0.0, *loads])[1:]
-    wanted = [asp.press(rough, elastic, load=load).area for load in effective]
-    found = history.dataset.sel(time=times)
-    assert found["area"].values.tolist() == wanted
-    np.testing.assert_allclose(found["load"], loads, rtol=1e-9)
-    assert history.dataset["load"].values[0] == 0
 
 
 def test_no_load_is_for_ramps_alone():

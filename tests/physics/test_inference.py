@@ -590,13 +590,6 @@ def held_ball(quantity):
     return of[quantity]
 
 
-@pytest.mark.parametrize("quantity", ["depth", "radius", "area"])
-def test_a_ball_under_a_held_load_follows_a_power_of_the_compliance(quantity):
-    made = of_name("ball", T, T, absolute=True, quantity=quantity)
-    found = made.curve(T, {name: np.array([value]) for name, value in BALL.items()})
-    np.testing.assert_allclose(found[0], held_ball(quantity), rtol=1e-12)
-
-
 def test_few_points_of_a_ball_choose_no_model_and_each_model_has_its_name():
     how: dict[str, Any] = {"model": "ball", "quantity": "depth"}
     found = asp.infer([0.1, 1.0, 10.0, 100.0, 1000.0], [1.0, 1.1, 1.21, 1.35, 1.5], **how)

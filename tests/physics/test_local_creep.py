@@ -84,7 +84,7 @@ def test_a_flat_surface_sinks_by_the_law_alone_while_the_load_rises(law, solid, 
 def dense(heights, rate, held, times, R):
     """(u, X) at each time by LSODA, the contact of each moment by dense matrices."""
     branch = (lambda _q, _lam: 3.0, lambda _, lam: R * lam)
-    judge = Dense(heights, lambda _, lam: lam, [branch], (1.0, 1.0))
+    judge = Dense.of_laws(heights, lambda _, lam: lam, [branch], (1.0, 1.0))
 
     def speed(_, v):
         y, _, _ = judge.contact([v], **held)

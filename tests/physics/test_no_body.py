@@ -11,7 +11,7 @@ from asperity.analysis.field_values import distributions
 from asperity.app.explore.scene import _scene
 from asperity.carried.record import quantities
 from asperity.errors import InputError
-from asperity.protocols import Hold, Ramp, Slide, Step
+from asperity.protocols import Hold, Ramp, Step
 from asperity.solids import Dugdale, Eyring, half_space, layer, spring_lattice
 from asperity.surfaces import Surface, spectral, statistics
 
@@ -109,16 +109,6 @@ def test_limits_of_bodies_that_end():
     same(*map(asp.relax, contacts))
     with pytest.raises(InputError, match="permanent stiffness above 0 for a body that ends"):
         asp.relax(asp.press(core(-np.inf), spring_lattice(k0=0, k1=3.0), load=20.0))
-
-
-def test_a_slide_takes_the_body_along():
-    solid = SOLIDS["springs"]
-    ends = [
-        asp.age(asp.press(core(around), solid, load=20.0), [1.0], protocol=Slide(3.0, velocity=3.0)).final
-        for around in (-np.inf, DEEP)
-    ]
-    same(*ends)
-    assert np.array_equal(np.isfinite(ends[0].heights), np.roll(CORE, 3, axis=1))
 
 
 BODY = 1e-7 * ROUGH[:20, :17]

@@ -10,7 +10,6 @@ import pytest
 
 import asperity as asp
 from asperity.errors import Remark
-from asperity.figures import carried_figure
 from tests.refusals import each_refuses
 
 HALF_SPACE = asp.solids.half_space(modulus=1.0)
@@ -288,12 +287,3 @@ def test_the_error_of_a_ball_is_at_most_that_of_the_remark(radius, wide):
             error = contact.pull_off(work).force / expected - 1
         (said, *_) = [*re.findall(r"up to (\d+) %", " ".join(str(one.message) for one in found)), "5"]
         assert 0 < error < int(said) / 100
-
-
-def test_a_history_records_it_and_the_figure_shows_it():
-    heights, work, _ = ball(4)
-    contact = asp.press(surface(heights), AGING, load=4 / 3 * 5.0**3 / 40)
-    history = asp.age(contact, [1.0, 4.0], carried=asp.Carried(work_of_adhesion=work))
-    expected = [contact.pull_off(work).force, history.final.pull_off(work).force]
-    np.testing.assert_allclose(history.dataset["pull_off"][[0, -1]], expected, rtol=1e-2)
-    assert "pull-off force" in carried_figure(history.dataset).axes[-1].get_ylabel()

@@ -15,7 +15,7 @@ from asperity.errors import ConvergenceError
 from asperity.protocols import Hold, Step
 from asperity.solids import CreepBranch, Eyring, Norton, Solid, half_space
 from asperity.solids.laws import PowerMobility, WaveNumberSpectrum
-from tests.dense_reference import Dense
+from tests.dense_reference import Dense, matrix_of
 from tests.equal_steps import orders, shape_after
 from tests.refusals import refuses
 
@@ -32,12 +32,11 @@ def compliance(shape):
     """Displacement under a unit force at each site, a dense matrix."""
     q = 2 * np.pi * np.hypot(*np.ix_(*map(np.fft.fftfreq, shape, SPACING)))
     q[0, 0] = np.inf
-    unit = np.eye(q.size).reshape(q.size, *shape)
-    return np.fft.ifft2(2 / (MODULUS * q * CELL) * np.fft.fft2(unit)).real.reshape(q.size, q.size)
+    return matrix_of(2 / (MODULUS * q * CELL))
 
 
-def stage(law, tau, pressure, permanent=0.0):
-    solid = half_space(modulus=MODULUS, creep=law, permanent=permanent)
+def stage(law, tau, pressure, **more):
+    solid = half_space(modulus=MODULUS, creep=law, **more)
     start = asp.press(scan(), solid, pressure=pressure)
     system = start.system()
     before = start.anchors[0] - system.datum
@@ -104,7 +103,7 @@ def test_newton_and_projected_gradients_agree_and_are_optimal(s0, tau, pressure)
 )
 def test_a_step_beside_a_permanent_share_is_optimal(s0, tau, pressure, share):
     law = Eyring(rate=1e-7, stress=s0)
-    found, heights, before, load = stage(law, tau, pressure, 1 - share)
+    found, heights, before, load = stage(law, tau, pressure, permanent=1 - share)
     T, n, size = compliance(heights.shape), heights.size, np.ptp(heights)
     s, u = found.force.ravel(), found.u.ravel()
     creep = tau * law.rate * np.sinh(s / CELL / s0)
@@ -119,6 +118,23 @@ def test_a_step_beside_a_permanent_share_is_optimal(s0, tau, pressure, share):
     assert np.abs(lacking - even @ lacking).max() < 1e-9 * size
 
 
+def test_a_step_of_sites_that_yield_is_optimal():
+    law, bound, counts = Eyring(rate=1e-9, stress=2e7), 6e7, []
+    for tau in (1e-12, 1e-3):
+        found, heights, before, load = stage(law, tau, 3e7, hardness="60 MPa")
+        p, size = found.force.ravel() / CELL, np.ptp(heights)
+        crept = tau * law.velocity(p)[0] + (before - heights).ravel()
+        gap = compliance(heights.shape) @ found.force.ravel() + crept + found.position
+        assert found.force.sum() == pytest.approx(load, rel=1e-9)
+        assert 0 <= p.min() <= p.max() <= bound * (1 + 1e-12)
+        yields = p >= bound * (1 - 1e-9)
+        assert np.abs(gap[(p > 0) & ~yields]).max() < 1e-9 * size
+        assert gap[p == 0].min(initial=0.0) > -1e-9 * size
+        assert gap[yields].max(initial=0.0) < 1e-9 * size
+        counts.append(np.count_nonzero(yields))
+    assert counts[0] > 10 > counts[1]
+
+
 @pytest.mark.parametrize(
     ("share", "apparatus"), [(1.0, None), (1.0, 30.0), (0.7, None), (0.7, np.inf), (0.3, None), (0.3, 30.0)]
 )
@@ -131,7 +147,7 @@ def test_histories_are_what_explicit_integration_finds(share, apparatus):
     data = asp.age(start, times, hold=hold, rtol=3e-5, fields_at=times).dataset
     heights, area = np.asarray(start.heights), start.heights.size * CELL
     spring = 0.0 if apparatus is None else min(apparatus, 1e7 * start.normal_stiffness) / area
-    judge = Dense(
+    judge = Dense.of_laws(
         heights,
         lambda q, _: (1 - share) * MODULUS * q / 2 + (q == 0) * spring,
         [(lambda q, _: share * MODULUS * q / 2, lambda q, _: 0 * q)],

@@ -59,7 +59,7 @@ def test_equal_steps_converge_at_second_order(case, kind, hold, end):
     contact = pressed(heights, solid, load=load, spacing=spacing)
     assert contact.area == 5
     system = contact.system(control_of(contact, hold))
-    dense = Dense(heights, permanent, branches, spacing)
+    dense = Dense.of_laws(heights, permanent, branches, spacing)
     errors = []
     for count in (8, 16, 32) if kind is SpringSteps else (16, 32, 64):
         # With more, what single precision rounds off in springs begins to show.

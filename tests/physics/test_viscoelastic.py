@@ -15,28 +15,6 @@ TWELVE = [(0.08, 10.0**decade) for decade in np.linspace(-3, 3, 12).tolist()]
 SOLIDS = {"one": [(0.7, 1.0)], "three": THREE, "twelve": TWELVE}
 
 
-def elastic_load(times, load_at, branches):
-    """The load at which an elastic solid has the contact that a viscoelastic one has: L in F = G * dL.
-
-    The Volterra equation of the relaxation modulus G, with L linear between the points of a grid and the
-    integrals of G in closed form.
-    """
-    grid = np.unique(np.concatenate([[0.0], np.geomspace(1e-4, max(times), 500), times]))
-    rest = 1 - sum(share for share, _ in branches)
-
-    def integral(x):
-        return rest * x - sum(share * tau * np.expm1(-x / tau) for share, tau in branches)
-
-    def modulus(x):
-        return rest + sum(share * np.exp(-x / tau) for share, tau in branches)
-
-    start, ages = load_at(0.0), np.maximum(grid[1:, None] - grid, 0.0)
-    cells = -np.diff(integral(ages), axis=1)
-    slopes = np.linalg.solve(cells, load_at(grid[1:]) - modulus(grid[1:]) * start)
-    reached = start + np.concatenate([[0.0], np.cumsum(slopes * np.diff(grid))])
-    return reached[np.searchsorted(grid, times)]
-
-
 def sphere(n):
     """A sphere whose summit is between sites, at no symmetric place."""
     x = np.arange(n) / n
@@ -70,8 +48,9 @@ def test_a_sphere_follows_lee_and_radok(name, exact, path):
     protocol = None if path == "constant" else P.Ramp(50.0, load=end)
     history = asp.age(contact, times, protocol=protocol, exact=exact)
     assert ("exact_contact" in history.dataset.attrs) == exact
-    elastic = asp.solids.half_space(modulus=1.0)
-    areas = [asp.press(heights, elastic, load=load).area for load in elastic_load(times, load_at, branches)]
+    elastic, series = asp.solids.half_space(modulus=1.0), asp.relaxation.PronySeries(1.0, tuple(branches))
+    loads = series.effective_load([0.0, *times], [start, *load_at(times)])[1:]
+    areas = [asp.press(heights, elastic, load=load).area for load in loads]
     miss = history.dataset["area"].values[1:] - areas
     assert np.abs(miss).max() <= (1 if exact else 3)  # of 10,000
 

@@ -65,28 +65,6 @@ def test_the_verdicts_on_known_areas():
     assert len(pmma_2018.draw(outcome.tables).axes) == 2
 
 
-@pytest.mark.parametrize("kind", ["self-affine", "scan"])
-def test_areas_are_elastic_ones_at_the_effective_load(kind):
-    if kind == "scan" and not (DATA / "di-1.di").is_file():
-        pytest.skip("no instrument files; set ASPERITY_DATA")
-    waves = asp.surfaces.spectral(
-        (96, 96), hurst=0.8, rms_slope=0.1, spacing=0.5, roll_off=48.0, cutoff=1.0, seed=1
-    )
-    rough = asp.surfaces.Surface(waves, "um", (0.5, 0.5), "um")
-    if kind == "scan":
-        rough = asp.surfaces.read(DATA / "di-1.di", periodic="reflect")
-    pressure = 0.02 * pmma_2018.MODULUS * asp.surfaces.statistics(*rough.in_meters()).rms_slope
-    solid = asp.solids.half_space(modulus=pmma_2018.MODULUS, branches=pmma_2018.SERIES.branches)
-    legs = [asp.protocols.Ramp(2.4, pressure=pressure), asp.protocols.Hold(997.6)]
-    history = asp.age(asp.press(rough, solid, load=0), [10.0, 1000.0], protocol=legs, progress=False)
-    aged = history["area"].sel(time=[10.0, 1000.0]).values
-    at = [pmma_2018._TIMES.index(time) for time in (10.0, 1000.0)]
-    elastic = asp.solids.half_space(modulus=pmma_2018.MODULUS)
-    pressed = [asp.press(rough, elastic, pressure=pressure * load).area for load in pmma_2018.effective()[at]]
-    assert np.allclose(aged, pressed, rtol=2e-3)
-    assert 1.1 < aged[1] / aged[0] < 1.25
-
-
 def test_scans_of_ones_own(tmp_path):
     rough = asp.surfaces.spectral((48, 48), hurst=0.8, rms_slope=0.1, seed=3)
     np.save(tmp_path / "a.npy", rough)

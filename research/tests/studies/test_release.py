@@ -1,62 +1,13 @@
-"""The force at a held displacement after a partial release: superposition is exact where contacts stay."""
+"""The force at a held displacement after a partial release: its maximum, and that of superposition."""
 
 import math
 
 import numpy as np
 
 import asperity as asp
-from asperity.theory import compliance
 from asperity_research.studies.release import maximum, superposed
 
 P = asp.protocols
-WAIT, TIMES = 10.0, np.geomspace(0.1, 300.0, 28)
-
-
-def released(solid: asp.solids.Solid, side: int, by: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times since the release and forces of one lone asperity, from the beginning of the history on."""
-    heights = np.zeros((side, side))
-    heights[0, 0] = 100.0
-    contact = asp.press(heights, solid, separation=99.0)
-    assert contact.area == 1
-    times = np.concatenate([TIMES[TIMES < WAIT], WAIT + TIMES])
-    protocol = [P.Hold(WAIT), P.Step(approach=-by), P.Hold(TIMES[-1])]
-    dataset = asp.age(contact, times, protocol=protocol, rtol=1e-4).dataset
-    assert (dataset["area"] == 1).all()
-    return dataset["time"].values, dataset["load"].values
-
-
-def test_a_lone_contact_on_a_half_space_answers_with_the_relaxation_modulus():
-    series = asp.relaxation.PronySeries(1.0, tuple((0.08, time) for time in np.geomspace(1e-2, 1e5, 8)))
-    solid = asp.solids.half_space(modulus=1.0, branches=series.branches, apparatus=math.inf)
-    time, force = released(solid, 16, by=0.3)
-    held = np.flatnonzero(time == WAIT)
-    after = slice(held[1] + 1, None)
-    exact = series.modulus_at(time[after]) - 0.3 * series.modulus_at(time[after] - WAIT)
-    np.testing.assert_allclose(force[after] / force[0], exact, rtol=1e-3)
-    fall = (force[held[0]] - force[held[1]]) / force[0]
-    assert abs(fall - 0.3) < 1e-9
-    found = maximum(time[after] - WAIT, force[after])
-    assert abs(math.log(found / superposed(series, WAIT, fall))) < 0.05
-
-
-def test_a_lone_contact_on_springs_keeps_its_depth_under_the_force_that_is_found():
-    # Boltzmann: the depth is the integral of J(t - s) dF(s), with the closed form of the compliance. Between
-    # the recorded times the force is linear in ln t: dF is laid at their geometric means.
-    solid = asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0)
-    time, force = released(solid, 96, by=0.3)
-    jumps, steps = np.diff(force), np.sqrt(time[1:] * time[:-1])
-    held = int(np.flatnonzero(np.diff(time) == 0)[0])
-    steps[0] = time[1] / math.e
-    steps[held:] = WAIT + np.sqrt((time[held + 1 :] - WAIT) * (time[held:-1] - WAIT))
-    steps[held + 1] = WAIT + (time[held + 2] - WAIT) / math.e
-
-    def depth(at: float) -> float:
-        past = steps < at
-        answers = compliance(3.0, at - np.append(steps[past], 0.0))
-        return float(answers @ np.append(jumps[past], force[0]))
-
-    before, after = depth(WAIT), [depth(at) for at in WAIT + TIMES[8::5]]
-    np.testing.assert_allclose(np.divide(after, before), 0.7, rtol=0.02)
 
 
 def test_the_superposed_maximum_of_a_modulus_like_a_logarithm_is_a_fixed_multiple_of_the_wait():

@@ -6,8 +6,6 @@ the proof. Levels l are springs of the same relaxation modulus E(t) = 1 - sum_b 
 below a(t) are held down, those above are free, and the forces of those that are held sum to F(t).
 """
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from scipy.linalg import expm
@@ -65,27 +63,3 @@ def test_contact_of_a_half_line_after_a_fall_of_the_load(branches, seed):
     for load, sites in zip(expected[::3], area[leg == 2][-since.size :][::3], strict=True):
         fewest, most = (asp.press(heights, elastic, load=load * x).area for x in (0.95, 1.05))
         assert fewest <= sites <= most
-
-
-def test_levels_are_those_of_lee_and_radok_before_the_load_falls():
-    share, tau, load = 0.7, 10.0, 2.0
-    times, at = frontier([(share, tau)], [(100.0, load)], highest=8.0, per_decade=60)
-    # Creep compliance of a Zener solid, E(t) = 1 - s (1 - exp(-t/tau)), over that at once.
-    compliance = (1 - share * np.exp(-(1 - share) * times / tau)) / (1 - share)
-    assert np.allclose(at, load * compliance, rtol=0.02)
-
-
-def test_levels_never_retreat_while_the_load_does_not_fall():
-    rng = np.random.default_rng(5)
-    for _ in range(2):
-        share = rng.dirichlet(np.ones(4))[:3] * 0.98
-        branches = list(zip(share, 10.0 ** rng.uniform(-2, 3, 3), strict=True))
-        loads = rng.uniform(0.2, 2.0, 4)
-        waits = 10.0 ** rng.uniform(-1, 3, 4)
-        legs = list(zip(waits, loads, strict=True))
-        highest = 1.1 * loads.max() / (1 - share.sum())
-        times, at = frontier(branches, legs, highest=highest, levels=500, per_decade=6)
-        starts = np.concatenate([[0.0], np.cumsum(waits)])
-        for begin, end in pairwise(starts):
-            here = at[(times > begin * (1 + 1e-12)) & (times < end * (1 - 1e-12))]
-            assert (np.diff(np.floor(here / (highest / 500))) >= 0).all()  # levels held as a whole
