@@ -28,7 +28,6 @@ from asperity.contact.local_creep import LocalState, Stage
 from asperity.contact.problem import ContactSolver
 from asperity.contact.stencils import combined, extrapolated
 from asperity.contact.system import System
-from asperity.errors import InputError
 from asperity.lattice import Field
 
 
@@ -57,8 +56,6 @@ class LocalSteps(TrBdf2):
         """See `Steps`."""
         if system.mechanics.law is None:
             return None
-        if system.external is not None:
-            raise InputError("creep", expected="no external force beside a local law", got="one")
         u, (shape,), _, position = start.relative
         u, shape = np.array(u), np.array(shape)
         force = system.mechanics.creeping_force((u - shape)[np.newaxis], system.load)

@@ -122,7 +122,7 @@ class SeparableSteps(Steps):
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> SeparableSteps | None:
         """See `Steps`; they suit a surface and anchors that are those of an elastic solid."""
         control = system.control
-        suits = start.solid.separable and system.external is None and len(start.anchors)
+        suits = start.solid.separable and len(start.anchors)
         if not (suits and system.load is not None and control.rises):
             return None
         u, anchors, in_contact, _ = start.relative

@@ -70,8 +70,6 @@ class SpringSteps(TrBdf2):
         mechanics: Any = system.mechanics
         if not (hasattr(solver, "work_on") and solver.suits(mechanics) and mechanics.springs.creep):
             return None
-        if system.external is not None:
-            return None  # rates and changes leave it out
         if start.area == 0 and system.load is None:
             return None  # it hangs, and its surface is known to the last digit
         u, anchors, *_ = start.relative

@@ -242,7 +242,7 @@ class ImplicitStep:
         else:
             stiffness = self.load_controlled_stiffness
             rhs.flat[0] = -held.load
-        return SpectralProblem(lattice, heights, stiffness, rhs, mechanics.interface).beside(held.external)
+        return SpectralProblem(lattice, heights, stiffness, rhs, mechanics.interface)
 
     def stretch(self, u: Field, anchors: Field, held: Prescribed) -> tuple[Field, float]:
         """Stretches w_b = u - u_b after the step, from the solved u and the anchors before it, and X."""
@@ -338,7 +338,6 @@ class SpringImplicitStep(ImplicitStep):
             held.load,
             self.mechanics.lattice.reflecting,
             lambda: self.spectral_problem(heights, self.modes_of(anchors), held),
-            held.external,
         )
 
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> SpringProblem:

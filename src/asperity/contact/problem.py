@@ -56,13 +56,10 @@ class SpectralProblem:
     def in_neighbors(self) -> None:
         """Return the problem in terms of neighbors: there is none."""
 
-    def beside(self, external: Field | None) -> SpectralProblem:
-        """Return the problem with an external force of each site as well; the load is of both."""
-        return self if external is None else replace(self, rhs=self.rhs + self.lattice.forward(external))
-
     def without_adhesion(self, pull: Field | None) -> SpectralProblem:
-        """Return the problem whose adhesion is a known force."""
-        return replace(self.beside(pull), interface=replace(self.interface, adhesion=None))
+        """Return the problem whose adhesion is a known force; the load is the sum of this and contact."""
+        rhs = self.rhs if pull is None else self.rhs + self.lattice.forward(pull)
+        return replace(self, rhs=rhs, interface=replace(self.interface, adhesion=None))
 
     def first_pull(self, guess: Guess | None) -> Field | None:
         """The adhesive force of the surface before, with which a solver starts; None where nothing sticks."""
@@ -83,8 +80,7 @@ class SpringProblem:
     k0 L u + k1 w is the force and w + spread L w + drag w = u - v the stretch of the springs to the
     bulk after a step of creep from the anchors v; L is minus the Laplacian. Under load control an
     unknown constant joins the right-hand side, and the sum of k1 w is the load, else None. The anchors are a
-    field or the level of a flat one, ``mirrored`` edges of the lattice not periodic. An ``external``
-    force of each site acts beside that of contact; the load is the sum of both.
+    field or the level of a flat one, ``mirrored`` edges of the lattice not periodic.
     """
 
     heights: Field
@@ -94,25 +90,10 @@ class SpringProblem:
     mirrored: bool
     spectral: Callable[[], SpectralProblem]
     interface: ClassVar[Interface] = RIGID
-    external: Field | None = None
 
     def in_neighbors(self) -> SpringProblem:
         """Return the problem itself."""
         return self
-
-    def beside(self, external: Field | None) -> SpringProblem:
-        """See `SpectralProblem`."""
-        if external is None:
-            return self
-        spectral, total = self.spectral, external if self.external is None else self.external + external
-        return replace(self, external=total, spectral=lambda: spectral().beside(external))
-
-    def pulled(self) -> SpringProblem:
-        """The same, where nothing creeps: anchors pull as the external force does."""
-        if self.external is None:
-            return self
-        load = None if self.load is None else self.load - float(self.external.sum())
-        return replace(self, anchors=self.anchors + self.external / self.springs.k1, load=load, external=None)
 
 
 ContactProblem = SpectralProblem | SpringProblem

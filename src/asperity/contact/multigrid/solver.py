@@ -97,9 +97,8 @@ class Multigrid:
                 advice="solver=ActiveSet()",
             )
         springs, heights = stated.springs, stated.heights
-        if springs.creep and not (springs.relaxed and stated.external is None):
+        if springs.creep and not springs.relaxed:
             return guess, 0  # steps of creep are `asperity.aging.spring_steps`
-        stated = stated.pulled()
         if springs.k0 == 0:
             return _independent(stated)
         if guess is None or not guess.u.any():  # a surface that nothing has pressed yet tells no length
