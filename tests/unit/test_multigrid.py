@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 import pytest
@@ -10,11 +9,10 @@ import pytest
 import asperity as asp
 from asperity.aging.field_steps import FieldSteps
 from asperity.contact import ActiveSet, Load, Multigrid, Separation
-from asperity.contact.multigrid import solver
+from asperity.contact.multigrid import operations
 from asperity.contact.multigrid.grids import Axis, Hierarchy, empty
 from asperity.contact.multigrid.loops import Sites, rows
 from asperity.contact.multigrid.pins import compliance
-from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.pinning import coherent_potential
 from asperity.contact.problem import PUBLISHED, Guess
@@ -22,7 +20,6 @@ from asperity.solids import Springs
 from tests.independent import assert_equilibrium, laplacian
 from tests.refusals import each_refuses
 from tests.surfaces import correlated, uncorrelated
-from tests.whole_fields import WholeFields
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
@@ -42,20 +39,20 @@ def test_coarser_axes_keep_their_length(n, mirrored):
 @pytest.mark.parametrize("shape", [(8, 8), (9, 14), (1, 6), (7, 1), (2, 3)])
 def test_restriction_is_the_transpose_of_interpolation(shape, mirrored):
     rng = np.random.default_rng(0)
-    backend, sites = Processor(), Sites(shape[0], shape[1], mirrored)
+    sites = Sites(shape[0], shape[1], mirrored)
     coarser = Sites((shape[0] + 1) // 2, (shape[1] + 1) // 2, mirrored)
     coarse, fine = (rng.normal(size=s).astype(np.float32) for s in (coarser[:2], shape))
-    up, out = empty(sites, backend), empty(coarser, backend)
+    up, out = empty(sites), empty(coarser)
     for i in range(shape[0]):
         rows.interpolate_row(coarse, i, sites, up[i])
-    backend.restrict(backend.packed(fine), sites, out)
-    interpolated, restricted = backend.unpacked(up, sites), backend.unpacked(out, coarser)
+    operations.restrict(operations.packed(fine), sites, out)
+    interpolated, restricted = operations.unpacked(up, sites), operations.unpacked(out, coarser)
     assert np.sum(interpolated * fine) == pytest.approx(np.sum(coarse * restricted), abs=1e-5)
     np.testing.assert_array_equal(interpolated[::2, ::2], coarse)
     level = np.ones(coarser[:2], np.float32)
     for i in range(shape[0]):
         rows.interpolate_row(level, i, sites, up[i])
-    np.testing.assert_array_equal(backend.unpacked(up, sites), 1.0)
+    np.testing.assert_array_equal(operations.unpacked(up, sites), 1.0)
 
 
 def zone_mean(springs, level, sigma, points=400):
@@ -90,9 +87,8 @@ def test_pins_far_up_hold_like_the_contacts_together(contacts):
     heights = np.full((128, 128), -1.0)
     heights.flat[rng.choice(heights.size, contacts, replace=False)] = 0.0
     springs = Springs(1.0, 0.3)
-    backend = Processor()
-    hierarchy = Hierarchy(Sites(128, 128, False), 1, backend)
-    surface, gap = backend.packed(np.zeros_like(heights)), backend.packed(heights)
+    hierarchy = Hierarchy(Sites(128, 128, False), 1)
+    surface, gap = operations.packed(np.zeros_like(heights)), operations.packed(heights)
     hierarchy.set_pins(surface, gap, contacts / heights.size, springs)
     total = float(hierarchy.grids[-1].pins.sum())
     assert total == pytest.approx(
@@ -103,15 +99,15 @@ def test_pins_far_up_hold_like_the_contacts_together(contacts):
 
 def test_a_crowd_of_contacts_does_not_give():
     # Where all sites that share a coarse one are held, so is that, on every grid; a contact alone gives.
-    backend, springs = Processor(), Springs(1.0, 30.0, 1.0)
+    springs = Springs(1.0, 30.0, 1.0)
     for shape, mirrored in (((64, 64), False), ((61, 63), False), ((62, 59), True)):
-        hierarchy = Hierarchy(Sites(*shape, mirrored), 2, backend)
+        hierarchy = Hierarchy(Sites(*shape, mirrored), 2)
         heights = np.full(shape, -1.0)
         heights[:, :36] = heights[5, 50] = 0.0
-        surface, gap = backend.packed(np.zeros(shape)), backend.packed(heights)
+        surface, gap = operations.packed(np.zeros(shape)), operations.packed(heights)
         hierarchy.set_pins(surface, gap, float(np.mean(heights == 0)), springs)
         for level, grid in enumerate(hierarchy.grids[:3], start=1):
-            own = backend.unpacked(grid.pins, grid.sites) / 4.0**level
+            own = operations.unpacked(grid.pins, grid.sites) / 4.0**level
             inside = slice(2, 36 // 2**level - 2)
             assert (own[2:-2, inside] > 100 * springs.k1).all()
             outside = own[5 // 2**level, 50 // 2**level]
@@ -125,14 +121,14 @@ def test_a_crowd_of_contacts_does_not_give():
 )
 def test_what_is_left_of_an_error_is_estimated(bed, spread, drag, crowded, held):
     shape, rng = (16, 12), np.random.default_rng(3)
-    work = TwoFields(Sites(*shape, False), Processor())
+    work = TwoFields(Sites(*shape, False))
     touching = np.zeros(shape, bool)
     if crowded:
         touching[3:11, :8] = True
     else:
         touching = rng.random(shape) < 0.3
     gap = np.where(touching, 0.0, 1.0)
-    work.bound[...] = np.where(work.backend.packed(np.ones(shape)) > 0, work.backend.packed(-gap), -np.inf)
+    work.bound[...] = np.where(operations.packed(np.ones(shape)) > 0, operations.packed(-gap), -np.inf)
     work.prepare(bed, spread, drag)
     work.begin(None if held else 1.0, 0.0, 0.0)
     error = rng.normal(size=shape)
@@ -150,7 +146,7 @@ def test_what_is_left_of_an_error_is_estimated(bed, spread, drag, crowded, held)
     found = np.linalg.solve(matrix, np.concatenate([np.zeros(n), -error.ravel(), [0.0]]))
     exact = found[:n] - found[n:-1] + found[-1]
     work.improve_on_grids(float(touching.sum()))
-    mean, estimate = work.filtered_error(work.backend.packed(error))
+    mean, estimate = work.filtered_error(operations.packed(error))
     assert mean == pytest.approx(exact.mean(), abs=0.02)
     expected = np.sqrt(np.mean(exact**2)) if held else exact.std()
     # Of errors between 1.2 and 30 times as large; stiff springs leave more of what is rough off contact.
@@ -249,33 +245,6 @@ def test_what_does_not_suit_is_refused_or_left_to_the_fourier_solver():
     assert_equilibrium(asp.press(line, solid, load=1.0), k0=1.0, k1=3.0, load=1.0)
     bed = asp.solids.spring_lattice(k0=0.0, k1=3.0)
     assert_equilibrium(asp.press(uncorrelated(16), bed, load=1.0), k0=0.0, k1=3.0, load=1.0)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("edges", "k0"), [("periodic", 1.0), ("reflecting", 1.0), ("periodic", 0.0)])
-def test_a_second_backend_finds_the_same_states(monkeypatch, edges, k0):
-    operations = {name for name in vars(Processor) if not name.startswith("_")}
-    assert len(operations) <= 15  # what another backend has to write
-    assert {name for name in vars(WholeFields) if not name.startswith("_")} >= operations
-    heights = replace(asp.surfaces.Surface(uncorrelated(32)[:28, :23].copy()), edges=edges)
-    solid = asp.solids.spring_lattice(k0=k0, k1=10.0, R_viscous=0.1)
-    found: list[Any] = []
-    creeping = asp.solids.spring_lattice(k0=1.0, k1=10.0, creep=asp.solids.Eyring(rate=0.1, stress=0.3))
-    for backend in (Processor, WholeFields):
-        monkeypatch.setattr(solver, "Processor", backend)
-        monkeypatch.setattr("asperity.contact.lattice_creep.Processor", backend)
-        contact = asp.press(heights, solid, load=30.0, solver=Multigrid())
-        history = asp.age(contact, [1.0, 100.0], solver=Multigrid(), exact=False)
-        by_law = asp.age(asp.press(heights, creeping, load=30.0), [0.1, 10.0])
-        states = (contact, asp.relax(contact, solver=Multigrid()), history.final, by_law.final)
-        found.append((*states, history.dataset, by_law.dataset))
-    spread = contact.u.std()
-    for one, other, allowed in zip(*(states[:4] for states in found), (1e-6, 1e-6, 1e-4, 1e-4), strict=True):
-        np.testing.assert_array_equal(one.in_contact, other.in_contact)
-        np.testing.assert_allclose(one.u, other.u, atol=allowed * spread)
-    for number in (4, 5):
-        cycles = [states[number]["iterations"].values[1:].sum() for states in found]
-        assert cycles[1] == pytest.approx(cycles[0], rel=0.2)
 
 
 @pytest.mark.parametrize("shape", [(64, 48), (57, 61)])

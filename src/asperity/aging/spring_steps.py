@@ -26,9 +26,9 @@ from asperity.aging.tr_bdf2 import DIAGONAL, WEIGHT, Arrays, Extent, Stage, Stat
 from asperity.contact import Contact
 from asperity.contact.anchors import AnchorFields
 from asperity.contact.arrays import largest
-from asperity.contact.multigrid import Multigrid
+from asperity.contact.multigrid import Multigrid, operations
 from asperity.contact.multigrid.loops import Measured, Pair, Past, Scales, Single, Surface
-from asperity.contact.multigrid.processor import Found
+from asperity.contact.multigrid.operations import Found
 from asperity.contact.multigrid.two_fields import working_stiffness
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError
@@ -77,7 +77,7 @@ class SpringSteps(TrBdf2):
         (rate,), w = mechanics.creep_rate(stretch), stretch[0]
         rate += -rate.mean() if system.load is not None else system.drift  # the load decides its mean
         work, unit = solver.work_on(mechanics), max(largest(u, np), largest(w, np)) or 1.0
-        arrays: dict[str, NDArray[Any]] = {"u": u, "stretch": w, "rate": work.backend.packed(rate / unit)}
+        arrays: dict[str, NDArray[Any]] = {"u": u, "stretch": w, "rate": operations.packed(rate / unit)}
         for names in _CHANGES:
             arrays |= zip(names, work.fields(), strict=True)
         means = {"scales": [unit, u.mean()], "mean_u0": u.mean() - w.mean(), "drift": system.drift}
@@ -122,7 +122,7 @@ class SpringSteps(TrBdf2):
 
     def speed(self) -> float:
         """See `Steps`."""
-        return rms(self.unit * self.work.backend.unpacked(self.rate, self.work.sites))
+        return rms(self.unit * operations.unpacked(self.rate, self.work.sites))
 
     def prepare(self, tau: float) -> None:
         """See `TrBdf2`."""
@@ -139,7 +139,7 @@ class SpringSteps(TrBdf2):
             growth, _, *weights = stage.weights
             numbers = growth, self.offset, self.weight, self.weight
         places = self.middle, work.bound, work.correction, work.source.f, work.sites
-        e, f, source = (value / size for value in work.backend.guess(self.past(weights), numbers, *places))
+        e, f, source = (value / size for value in operations.guess(self.past(weights), numbers, *places))
         mean = self.system.body.stretch(self.system.at(stage.time).load)
         moved = np.dot(stage.creeps, self.drifts) - self.system.moved(self.time, stage.time)
         self.drifts.append(float(-moved / tau))
@@ -167,14 +167,14 @@ class SpringSteps(TrBdf2):
 
     def mean(self, field: Single) -> float:
         """Mean of a field of the corrections."""
-        return self.work.backend.total(field, self.work.sites) / self.u.size
+        return operations.total(field, self.work.sites) / self.u.size
 
     def filtered_error(self, shares: Sequence[float]) -> float:
         """See `TrBdf2`."""
         work = self.work
         rates = self.rate, self.middle, work.source.f
         numbers = self.offset, self.tau, self.weight, *shares
-        work.backend.finish(work.correction, rates, numbers, self.error, work.sites)
+        operations.finish(work.correction, rates, numbers, self.error, work.sites)
         if drift := np.dot(shares, self.drifts):  # how the rigid body moves is no error
             self.error -= np.float32(drift / self.unit)
         return self.unit * work.filtered_error(self.error)[1]
@@ -195,8 +195,8 @@ class SpringSteps(TrBdf2):
         work = self.work
         surface, into = Surface(self.u, self.w, self.heights), Measured(work.bound, work.source.e, self.flow)
         scales = Scales(self.k0 * self.unit, self.unit, self.level)
-        work.backend.settle(surface, work.correction, work.bound, self.unit, offset)
-        self.moments: Found = work.backend.measure(
+        operations.settle(surface, work.correction, work.bound, self.unit, offset)
+        self.moments: Found = operations.measure(
             surface, self.springs, 0.0, scales, into, work.sites, flowing=True
         )
 

@@ -21,8 +21,8 @@ from asperity.contact.arrays import inner, largest
 from asperity.contact.interface import RIGID, Interface
 from asperity.contact.local_creep import ByLaw, LinearLaw, LocalRun, LocalState, Stage
 from asperity.contact.mechanics import balanced
+from asperity.contact.multigrid import operations
 from asperity.contact.multigrid.loops import Measured, Scales, Sites, Surface
-from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields, working_stiffness
 from asperity.contact.stencils import lattice_force, tangents
 from asperity.creep import LocalCreep
@@ -60,7 +60,7 @@ class LatticeCreep(ByLaw):
         self.shape, self.mirrored = heights.shape, lattice.reflecting
         self.heights = np.ascontiguousarray(np.atleast_2d(heights))
         rows, columns = self.heights.shape
-        self.work = TwoFields(Sites(rows, columns, self.mirrored), Processor())
+        self.work = TwoFields(Sites(rows, columns, self.mirrored))
 
     def stretch(self, force: Field) -> Field:
         """See `ByLaw`."""
@@ -130,10 +130,10 @@ class _Run(LocalRun):
         law = self.law = LinearLaw(self.solver.law, self.stage.tau, 1.0, springs.k1 * self.w)
         surface, into = Surface(self.u, self.w, self.heights), Measured(work.bound, *work.source)
         scales = Scales(self.stiffness * unit, unit, 0.0)
-        measured = work.backend.measure(surface, springs, 0.0, scales, into, work.sites, flowing=False)
+        measured = operations.measure(surface, springs, 0.0, scales, into, work.sites, flowing=False)
         yielding = int(np.count_nonzero(self.yielding))
         if yielding:
-            work.source.e[...] += work.backend.packed(
+            work.source.e[...] += operations.packed(
                 self.yielding * (self.solver.interface.high / scales.force)
             )
         velocity, slope = (np.ascontiguousarray(field, dtype=float) for field in (law.velocity, law.slope))
@@ -143,8 +143,8 @@ class _Run(LocalRun):
         tangent = velocity, slope, curve
         tangents(surface, self.before, tangent, numbers, self.solver.mirrored, lacking, lag, sums)
         self.lacking, change, squares, bent, response = sums.sum(axis=0).tolist()
-        work.source.f[...] = work.backend.packed(lacking / unit)
-        self.lag, shift, wanted = work.backend.packed(lag), 0.0, None
+        work.source.f[...] = operations.packed(lacking / unit)
+        self.lag, shift, wanted = operations.packed(lag), 0.0, None
         work.clear()
         if load is not None:  # the shift is at first what sites alone would need
             wanted = (load / springs.k1 - measured.stretch) / unit
@@ -196,11 +196,11 @@ class _Run(LocalRun):
         if not done:
             raise ConvergenceError(f"creep: {cycles} cycles did not solve a linear step; try a larger rtol")
         surface = Surface(self.u, self.w, self.heights)
-        work.backend.settle(surface, work.correction, work.bound, self.unit, 0.0)
+        operations.settle(surface, work.correction, work.bound, self.unit, 0.0)
         self.position -= work.shift * self.unit
         if self.solver.interface.yields:
             return cycles, math.inf
-        change = self.unit * work.backend.unpacked(work.correction.f, work.sites)
+        change = self.unit * operations.unpacked(work.correction.f, work.sites)
         error = np.minimum(self.curve * change * change, np.abs(change))
         return cycles, math.sqrt(inner(error, error, np) / error.size)
 
@@ -209,5 +209,5 @@ class _Run(LocalRun):
         return LocalState(self.u.reshape(shape), (self.springs.k1 * self.w).reshape(shape), self.position)
 
     def filtered_error(self, error: Field) -> tuple[float, float]:
-        mean, size = self.work.filtered_error(self.work.backend.packed(np.atleast_2d(error) / self.unit))
+        mean, size = self.work.filtered_error(operations.packed(np.atleast_2d(error) / self.unit))
         return self.unit * mean, self.unit * size

@@ -11,9 +11,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from asperity.contact.multigrid import operations
 from asperity.contact.multigrid.loops import CoarseOne, CoarseTwo, Fields, Pair, Single, Sites
 from asperity.contact.multigrid.pins import compliance, softening
-from asperity.contact.multigrid.processor import Processor
 from asperity.contact.pinning import coherent_potential
 from asperity.lattice import Field
 from asperity.solids import Springs
@@ -80,9 +80,9 @@ class Axis:
         return np.asarray(change.T @ (self.coupling[:, np.newaxis] * change))
 
 
-def empty(sites: Sites, backend: Processor) -> Single:
+def empty(sites: Sites) -> Single:
     """A field of zeros, in memory that nothing has touched yet."""
-    row = backend.packed(np.zeros((1, sites.columns)))
+    row = operations.packed(np.zeros((1, sites.columns)))
     return np.zeros((sites.rows, *row.shape[1:]), row.dtype)
 
 
@@ -95,23 +95,23 @@ def together(fields: Iterable[Single]) -> Fields:
 class Grid:
     """One coarse grid and the work arrays on it."""
 
-    def __init__(self, y: Axis, x: Axis, finer: Sites, fields: int, backend: Processor) -> None:
-        self.backend, self.axes, self.finer = backend, (y, x), finer
+    def __init__(self, y: Axis, x: Axis, finer: Sites, fields: int) -> None:
+        self.axes, self.finer = (y, x), finer
         self.sites = sites = Sites(y.size.size, x.size.size, y.mirrored)
-        gx, mx = (backend.packed(row[np.newaxis])[0] for row in (x.coupling, x.size))
+        gx, mx = (operations.packed(row[np.newaxis])[0] for row in (x.coupling, x.size))
         gy, my = y.coupling.astype(np.float32), y.size.astype(np.float32)
-        self.pins = empty(sites, backend)
+        self.pins = empty(sites)
         self.mesh = (self.pins, gx, gy, mx, my, sites)
         """Pins, couplings and cell sizes, as the equations take them."""
-        self.correction, self.source = (together(empty(sites, backend) for _ in range(fields)) for _ in "eb")
+        self.correction, self.source = (together(empty(sites) for _ in range(fields)) for _ in "eb")
         self.joined = together(np.zeros(sites[:2], np.float32) for _ in range(fields))
         """The corrections, for the next finer grid."""
 
     @cached_property
     def sharing(self) -> Single:
         """What the sites of the next finer grid add up to here if each counts 1; inf where no site is."""
-        sums = empty(self.sites, self.backend)
-        self.backend.restrict(self.backend.packed(np.ones(self.finer[:2])), self.finer, sums)
+        sums = empty(self.sites)
+        operations.restrict(operations.packed(np.ones(self.finer[:2])), self.finer, sums)
         return np.where(sums > 0, sums, np.float32(np.inf))  # a division leaves 0 beside the sites
 
     @cached_property
@@ -122,7 +122,7 @@ class Grid:
 
     def in_order(self, field: Single) -> Field:
         """A field as a vector; for the coarsest grid."""
-        return self.backend.unpacked(field, self.sites).ravel()
+        return operations.unpacked(field, self.sites).ravel()
 
     def hand_over(self, corrections: Field) -> None:
         """Set the corrections, one after the other in a vector; for the coarsest grid."""
@@ -139,21 +139,21 @@ class Grid:
 class Hierarchy:
     """The grids above a lattice, from the first coarse one to the coarsest."""
 
-    def __init__(self, sites: Sites, fields: int, backend: Processor) -> None:
-        self.sites, self.backend = sites, backend
+    def __init__(self, sites: Sites, fields: int) -> None:
+        self.sites = sites
         y, x = (Axis.fine(n, mirrored=sites.mirrored) for n in sites[:2])
         self.grids: list[Grid] = []
         finer = sites
         while not self.grids or math.prod(finer[:2]) > TUNING.coarsest:
             y, x = y.coarser, x.coarser
-            self.grids.append(Grid(y, x, finer, fields, backend))
+            self.grids.append(Grid(y, x, finer, fields))
             finer = self.grids[-1].sites
 
     @cached_property
     def cells(self) -> list[Single]:
         """Sizes of the cells of the lattice and of all grids but the coarsest."""
         areas = [np.ones(self.sites[:2]), *(grid.areas for grid in self.grids[:-1])]
-        return [self.backend.packed(cells) for cells in areas]
+        return [operations.packed(cells) for cells in areas]
 
     def set_pins(self, e: Single, bound: Single, fraction: float, springs: Springs) -> None:
         """Set pins on all coarse grids; ``fraction`` is that of the sites in contact; k0 = 1.
@@ -167,7 +167,7 @@ class Hierarchy:
             return
         sigma = coherent_potential(partial(compliance, springs, 0), fraction, 1.0)
         first, strength = self.grids[0], 1.0 / softening(springs, 0, sigma)
-        self.backend.restrict((e <= bound).astype(np.float32), self.sites, first.pins)
+        operations.restrict((e <= bound).astype(np.float32), self.sites, first.pins)
         first.pins *= np.float32(strength)
         # A held site adds ``held`` to the pin on the next coarser grid, and no site adds more.
         held, hard, crowds = strength, TUNING.hard * (4.0 + springs.k1), True
@@ -178,7 +178,7 @@ class Hierarchy:
                 fine.pins[full] = np.float32(hard)
             mean = sigma * 4.0**level
             softer = softening(springs, level, mean)
-            self.backend.restrict(fine.pins, fine.sites, coarse.pins, softer, mean)
+            operations.restrict(fine.pins, fine.sites, coarse.pins, softer, mean)
             held, hard = hard / (1.0 + softer * max(hard - mean, 0.0)), 4.0 * hard
 
     def coarser_lags(self, lag: Single, spread: float) -> list[Single]:
@@ -187,13 +187,13 @@ class Hierarchy:
         A site that differs from its neighbors relaxes as w = 1 / (lag + 4 spread / mass). The mean weighted
         by w is harmonic where spread is small, arithmetic where it is large.
         """
-        lags, sites, backend = [lag], self.sites, self.backend
+        lags, sites = [lag], self.sites
         for grid, cells in zip(self.grids, self.cells, strict=True):
             beside = 4.0 * spread * math.prod(sites[:2]) / math.prod(self.sites[:2])
             weights = cells / (lags[-1] + np.float32(beside))
-            weight, out = (empty(grid.sites, backend) for _ in range(2))
-            backend.restrict(weights, sites, weight)
-            backend.restrict(weights * lags[-1], sites, out)
+            weight, out = (empty(grid.sites) for _ in range(2))
+            operations.restrict(weights, sites, weight)
+            operations.restrict(weights * lags[-1], sites, out)
             lags.append(np.divide(out, weight, out=out, where=weight > 0))
             sites = grid.sites
         return lags[1:]
@@ -211,16 +211,16 @@ class Corrections(Hierarchy, ABC):
     springs: Springs
     coupling = moved = 0.0
 
-    def __init__(self, sites: Sites, fields: int, backend: Processor) -> None:
-        super().__init__(sites, fields, backend)
+    def __init__(self, sites: Sites, fields: int) -> None:
+        super().__init__(sites, fields)
         self.size, self.count = sites.rows * sites.columns, fields
-        self.bound, self.proposed = empty(sites, backend), self.grids[0].joined
+        self.bound, self.proposed = empty(sites), self.grids[0].joined
         self.correction, self.source = self.fields(), self.fields()
         self.forget()
 
     def fields(self) -> Fields:
         """Fields of zeros."""
-        return together(empty(self.sites, self.backend) for _ in range(self.count))
+        return together(empty(self.sites) for _ in range(self.count))
 
     def clear(self) -> None:
         """Set the corrections to 0."""
@@ -256,7 +256,7 @@ class Corrections(Hierarchy, ABC):
             grid.hand_over(correction[:-1])
             return float(correction[-1])
         coarser, equations = self.grids[level + 1], self.equations(level)
-        total = self.backend.descend(equations, coarser.source)
+        total = operations.descend(equations, coarser.source)
         shift = self.cycle_from(level + 1, missing - total) - self.coupling * total
-        total = self.backend.ascend(equations, coarser.joined, shift, grid.joined)
+        total = operations.ascend(equations, coarser.joined, shift, grid.joined)
         return -self.coupling * total if self.coupling else shift

@@ -28,9 +28,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.contact.arrays import largest
+from asperity.contact.multigrid import operations
 from asperity.contact.multigrid.grids import Corrections, Grid, empty
 from asperity.contact.multigrid.loops import CoarseOne, Measured, One, Pair, Scales, Sites, Surface
-from asperity.contact.multigrid.processor import Extremes, Processor
+from asperity.contact.multigrid.operations import Extremes
 from asperity.contact.problem import SpringProblem
 from asperity.lattice import Field
 from asperity.solids import Springs
@@ -59,9 +60,9 @@ TUNING = Tuning()
 class OneField(Corrections):
     """Work space for one lattice."""
 
-    def __init__(self, sites: Sites, backend: Processor) -> None:
-        super().__init__(sites, 1, backend)
-        self.previous = empty(sites, backend)
+    def __init__(self, sites: Sites) -> None:
+        super().__init__(sites, 1)
+        self.previous = empty(sites)
 
     def solve(
         self, problem: SpringProblem, u: Field, tolerance: float, max_cycles: int
@@ -83,12 +84,12 @@ class OneField(Corrections):
             self.shape = anchors - float(np.mean(anchors))
             self.unit = max(self.unit, largest(self.shape, np))
         self.previous.fill(0.0)
-        first, backend, (e,) = self.grids[0], self.backend, self.correction
+        first, (e,) = self.grids[0], self.correction
         uniform, _ = self.measure(tolerance)
         for cycle in range(1, max_cycles + 1):
-            backend.sweep_1(self.equation(), TUNING.half_sweeps)
+            operations.sweep_1(self.equation(), TUNING.half_sweeps)
             eq = self.equation()
-            sums = backend.restrict_1(eq, first.source[0])
+            sums = operations.restrict_1(eq, first.source[0])
             if sums.contacts == 0 and load is not None:
                 deepest = int(np.argmax(self.bound - e))  # something must carry the load
                 e.flat[deepest] = self.bound.flat[deepest]
@@ -99,19 +100,19 @@ class OneField(Corrections):
                 if converged:
                     return True, uniform, cycle
                 eq = self.equation()
-                backend.restrict_1(eq, first.source[0])
+                operations.restrict_1(eq, first.source[0])
             self.improve_on_grids(sums.contacts)
             # Move by the combination of correction and previous move that has the lowest energy. Corrections
             # taken as they are need up to three times the cycles.
-            weights = lowest(backend.products_1(eq, first.joined[0], self.previous), self.coupling)
-            backend.correct_1(eq, first.joined[0], self.previous, *weights)
+            weights = lowest(operations.products_1(eq, first.joined[0], self.previous), self.coupling)
+            operations.correct_1(eq, first.joined[0], self.previous, *weights)
         self.settle()
         return False, uniform, max_cycles
 
     def settle(self) -> None:
         """Add the correction to the surface."""
         surface, both = Surface(self.u, self.u[:0], self.heights), Pair(*2 * self.correction)
-        self.backend.settle(surface, both, self.bound, self.unit, 0.0)
+        operations.settle(surface, both, self.bound, self.unit, 0.0)
 
     def measure(self, tolerance: float) -> tuple[float, bool]:
         """Begin a correction to the surface as it is; the uniform force on it, and whether it is solved.
@@ -123,7 +124,7 @@ class OneField(Corrections):
         surface = Surface(self.u, self.u if self.shape is None else self.u - self.shape, self.heights)
         scales, into = Scales(k0 * self.unit, self.unit, 0.0), Measured(self.bound, *2 * self.source)
         law = Springs(k0, bed)
-        sums = self.backend.measure(surface, law, uniform, scales, into, self.sites, flowing=False)
+        sums = operations.measure(surface, law, uniform, scales, into, self.sites, flowing=False)
         self.clear()
         rounding = 4.0 * float(np.finfo(float).eps) * (8.0 * k0 + bed) * self.unit
         self.allowed = max(TUNING.margin * tolerance * abs(sums.load) / max(sums.contacts, 1.0), rounding)
@@ -135,7 +136,7 @@ class OneField(Corrections):
         """The equation with what the correction adds to the uniform force."""
         uniform = 0.0
         if self.coupling:
-            uniform = self.coupling * self.backend.total(self.correction[0], self.sites)
+            uniform = self.coupling * operations.total(self.correction[0], self.sites)
         bed, diagonal, force = map(np.float32, (self.bed, 4.0 + self.bed, uniform))
         return One(self.correction[0], self.bound, self.source[0], bed, diagonal, force, self.sites)
 

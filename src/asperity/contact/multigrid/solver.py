@@ -13,7 +13,6 @@ from asperity.contact.mechanics import Mechanics
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.one_field import OneField
 from asperity.contact.multigrid.pins import compliance
-from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.problem import Accuracy, ContactProblem, Guess, Solution, SpringProblem
 from asperity.errors import InputError
@@ -82,7 +81,7 @@ class Multigrid:
     def work_on(self, mechanics: Mechanics) -> TwoFields:
         """Work space for steps of creep on a lattice."""
         rows, columns = mechanics.lattice.shape
-        return TwoFields(Sites(rows, columns, mechanics.lattice.reflecting), Processor())
+        return TwoFields(Sites(rows, columns, mechanics.lattice.reflecting))
 
     def _by_cycles(
         self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy
@@ -108,7 +107,7 @@ class Multigrid:
             return guess, 0
         u = np.maximum(guess.u, heights)
         rows, columns = heights.shape
-        work = OneField(Sites(rows, columns, stated.mirrored), Processor())
+        work = OneField(Sites(rows, columns, stated.mirrored))
         done, uniform, cycles = work.solve(stated, u, accuracy.residual, self.max_cycles)
         if done:
             stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None

@@ -23,10 +23,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.contact.arrays import inner, largest
-from asperity.contact.multigrid import one_field
+from asperity.contact.multigrid import one_field, operations
 from asperity.contact.multigrid.grids import Corrections, Grid
 from asperity.contact.multigrid.loops import CoarseTwo, Single, Sites, Two
-from asperity.contact.multigrid.processor import Defects, Processor
+from asperity.contact.multigrid.operations import Defects
 from asperity.lattice import Field
 from asperity.solids import Springs
 
@@ -69,12 +69,12 @@ class TwoFields(Corrections):
     coarse grids found last for e - f, on the first of them.
     """
 
-    def __init__(self, sites: Sites, backend: Processor) -> None:
-        super().__init__(sites, 2, backend)
+    def __init__(self, sites: Sites) -> None:
+        super().__init__(sites, 2)
         self.bound.fill(-np.inf)
         self.latest: Single = np.zeros(0, np.float32)
         widths = [sites.columns, *(grid.sites.columns for grid in self.grids)]
-        self.rows = [backend.packed(np.zeros((1, width))) for width in widths]
+        self.rows = [operations.packed(np.zeros((1, width))) for width in widths]
 
     def prepare(self, bed: float, spread: float, drag: float) -> None:
         """Set the coefficients: bed = k1/k0, and those of the equations."""
@@ -136,7 +136,7 @@ class TwoFields(Corrections):
 
     def sink(self) -> None:
         """Move the body until one site touches, which is to bear what the yielding sites do not."""
-        e, bound = (self.backend.unpacked(field, self.sites) for field in (self.correction.e, self.bound))
+        e, bound = (operations.unpacked(field, self.sites) for field in (self.correction.e, self.bound))
         gap = float(np.min(e - bound)) + TUNING.rounding * largest(e, np)
         self.correction.e[...] -= np.float32(gap)
         self.shift += gap
@@ -149,11 +149,11 @@ class TwoFields(Corrections):
         contacts; of an error that is rough everywhere up to twice as much remains at k1/k0 = 60. The error is
         overwritten.
         """
-        grid, backend = self.grids[0], self.backend
+        grid = self.grids[0]
         source = grid.source
-        backend.restrict(error, self.sites, source.f)
+        operations.restrict(error, self.sites, source.f)
         error *= self.damping
-        backend.restrict(error, self.sites, source.e)
+        operations.restrict(error, self.sites, source.e)
         unseen = self.square(error, self.sites) - self.square(source.e / grid.sharing, grid.sites)
         source.e.fill(0.0)
         shift = self.cycle_from(0, 0.0)
@@ -165,7 +165,7 @@ class TwoFields(Corrections):
 
     def square(self, field: Single, sites: Sites) -> float:
         """Mean square over sites."""
-        return self.backend.total(field * field, sites) / (sites.rows * sites.columns)
+        return operations.total(field * field, sites) / (sites.rows * sites.columns)
 
     def relag(self, lag: Single) -> None:
         """Set the lag by site, on the coarse grids too."""
@@ -186,7 +186,7 @@ class TwoFields(Corrections):
 
     def descend(self, *, correcting: bool, restricting: bool = True) -> Defects:
         """Add the corrections of the coarse grids, sweep, and restrict the defects to them."""
-        return self.backend.cycle_2(
+        return operations.cycle_2(
             self.equation(),
             self.proposed,
             self.taken,

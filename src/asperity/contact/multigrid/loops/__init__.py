@@ -1,4 +1,4 @@
-"""The loops of multigrid, compiled; `asperity.contact.multigrid.processor` calls them."""
+"""The loops of multigrid, compiled; `asperity.contact.multigrid.operations` calls them."""
 
 from asperity.contact.multigrid.loops.one_field import CoarseOne as CoarseOne
 from asperity.contact.multigrid.loops.one_field import One as One
