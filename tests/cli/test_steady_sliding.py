@@ -86,6 +86,29 @@ def test_a_file_of_a_run_slides_a_lattice_of_springs(says):
     assert "finer scan" not in words
 
 
+def test_a_thick_layer_of_a_table_slides_as_its_half_space(asperity, says):
+    times, drift = np.geomspace(1e-3, 1e3, 37), 1 + 0.02 * (-1.0) ** np.arange(37)
+    young = 1e6 * (1 + 2 * np.exp(-times / 0.1) + np.exp(-times / 10)) * drift
+    np.savetxt("table.csv", np.c_[times, young], delimiter=",", header="time (s),E (Pa)", comments="")
+    scan = 'kind = "spectral"\nshape = [32, 32]\nunit = "um"\npixel_size = 1.0\ncutoff = 4.0\n'
+    rest = (
+        'poisson = 0.45\nrelaxation = "table.csv"\nnoise = 0.05\n[contact]\npressure = "20 kPa"\n[sliding]\n'
+    )
+    found = []
+    for kind in ("half_space", 'layer"\nthickness = "20 mm'):
+        text = f'[surface]\n{scan}rms_slope = 0.2\nseed = 1\n[solid]\nkind = "{kind}"\n{rest}'
+        Path("run.toml").write_text(f'{text}speeds = ["1 um/s", "0.1 mm/s"]\nper_decade = 1\n')
+        says("sliding", "run.toml", "--figures", "", "--overwrite", "-q")
+        found.append(asp.results.load("sliding"))
+        Path("run.toml").write_text(f'{text}speeds = ["1 pm/s", "1 um/s"]\n')
+        status, _, err = asperity("sliding", "run.toml", "--out", "beyond")
+        assert status == 2
+        assert "speeds whose frequencies the table has, 5.093 nm/s" in err
+    half_space, layer = found
+    for name in ("hysteresis_friction_coefficient", "contact_fraction_low", "contact_fraction_high"):
+        np.testing.assert_allclose(layer[name], half_space[name], rtol=1e-4)
+
+
 def test_the_figure_shows_friction_and_area():
     surface = asp.surfaces.Surface(1e-9 * HEIGHTS, "m", (50e-9, 50e-9), "m")
     solid = asp.solids.half_space(young="30 MPa", branches=BRANCHES)

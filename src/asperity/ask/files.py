@@ -54,7 +54,8 @@ def _material_of_file(path: Path, /, **arguments: Any) -> Material:
     if (kind := table.pop("kind", None)) != HalfSpace.kind:
         raise InputError(f"{path.name}: [solid] kind", expected="a half_space", got=shown(kind))
     try:
-        return HalfSpace(**table | keys).material
+        found: Material = HalfSpace(**table | keys).material
+        return found
     except SectionError as error:
         first = error.mistakes[0]
         raise first.about(f"{path.name}: [solid] {first.name}") from None

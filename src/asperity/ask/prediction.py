@@ -102,7 +102,7 @@ class Predict(Question):
     sections = ("contact", "aging", "friction")
     elsewhere = _ELSEWHERE
     unused: ClassVar[Mapping[str, Collection[str]]] = {
-        "friction": Friction.keys.keys() - {"shear_strength"},
+        "friction": [key for key in Friction.keys if key != "shear_strength"],
         "output": ("maps_at",),
     }
     refused: ClassVar[Mapping[tuple[str, str], str]] = {

@@ -130,8 +130,11 @@ class SolidSection(Section):
 
     @property
     def material(self) -> Material:
-        """The material of a prediction."""
-        return material(self.build())
+        """The solid with what the data of its branches tell: their times, and their spread."""
+        if self.of_table is not None:
+            return replace(self.of_table, solid=self.build())
+        draws = getattr(self, "draws", None)
+        return replace(material(self.build(), draws=draws), span=self.known or (0.0, math.inf))
 
     def _check_law(self, kind: str) -> None:
         """Refuse keys of a law that are not those of one law."""
@@ -291,14 +294,6 @@ class HalfSpace(_section_of("half_space")):  # type: ignore[misc]
             swept=False,
         ),
     ] = None
-
-    @property
-    def material(self) -> Material:
-        """The material of a prediction."""
-        table: Material | None = self.of_table
-        if table is not None:
-            return replace(table, solid=self.build())
-        return replace(material(self.build(), draws=self.draws), span=self.known or (0.0, math.inf))
 
 
 SOLIDS: dict[str, type[SolidSection]] = {

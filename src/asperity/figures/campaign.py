@@ -59,7 +59,11 @@ def campaign_figure(dataset: xr.Dataset) -> style.Drawing:
     place = "time" if over == "entry" else over
     quantity, title = _DRAWN.get(place, ("", ""))
     name = f"{quantity}_mean" if f"{quantity}_mean" in dataset else quantity
-    if name not in dataset or dataset[place].ndim == 0 or not float(dataset[place].max()) > 0:
+    if (
+        not {name, place} <= set(dataset.variables)
+        or dataset[place].ndim == 0
+        or not float(dataset[place].max()) > 0
+    ):
         expected = "the dataset of a campaign, with times above 0"
         raise InputError("dataset", expected=expected, got="another", advice="asperity.campaign.open(folder)")
     mean, *more = _series(dataset, quantity, over, 100 if place == "time" else 1)

@@ -63,11 +63,11 @@ def draws_of_solid(
     frequencies: tuple[float, float],
     computed: Callable[[Solid, str], Mapping[str, Field]],
 ) -> dict[str, Field]:
-    """Factors on curves, shape (draws, speeds), by draws of a half-space; empty without a spread.
+    """Factors on curves, shape (draws, speeds), by draws of a solid; empty without a spread.
 
     Its waves oscillate at frequencies between two, and `computed` has the curves of another one.
     """
-    if len(material.spread) < 2 or not material.solid.half_space:
+    if len(material.spread) < 2:
         return {}
     least, most = frequencies
     lags = np.append(0.0, np.geomspace(0.1 / most, 1 / least, _LAGS))
