@@ -265,6 +265,28 @@ def test_an_uneven_history_is_that_of_the_machine(quantity):
     np.testing.assert_allclose(np.cumsum([leg.duration for leg in history]), corners[1:] - corners[0])
 
 
+@pytest.mark.parametrize(
+    ("quantity", "values", "held", "legs"),
+    [
+        (
+            "displacement",
+            [0, 0, 0.1, 0.1],
+            None,
+            [Hold(1.0, hold="separation"), Ramp(1.0, approach=0.1), Hold(1.0)],
+        ),
+        ("load", [10, 10, 12, 12], "separation", [Hold(1.0, hold="load"), Ramp(1.0, load=12.0), Hold(1.0)]),
+    ],
+)
+def test_constant_rows_at_first_hold_what_the_table_has(quantity, values, held, legs):
+    start = CONTACT if held is None else asp.age(CONTACT, [0.5], hold=held).final
+    values = [*np.multiply(values, 1.0 if held is None else start.load / 10)]
+    legs = [legs[0], legs[1] if held is None else Ramp(1.0, load=1.2 * start.load), Hold(1.0)]
+    history = measured({"time": [0, 1, 2, 3], quantity: values})
+    found, right = (asp.age(start, [0.5, 1.0, 2.5], protocol=each).dataset for each in (history, legs))
+    for name in ("load", "separation", "area"):
+        np.testing.assert_allclose(found[name], right[name], rtol=1e-9)
+
+
 def test_rows_within_the_noise_are_one_ramp():
     noise = np.random.default_rng(2).uniform(-0.1, 0.1, 500)
     times = np.arange(500.0)

@@ -187,6 +187,8 @@ def _slope(times: np.ndarray, values: np.ndarray, begin: int, end: int) -> tuple
 
 def _legs_between(target: str, times: np.ndarray, values: np.ndarray) -> Iterator[Leg]:
     """Steps, holds and ramps between rows."""
+    held: Any = "separation" if target in ("separation", "approach") else "load"
     for lapse, value, rise in zip(np.diff(times).tolist(), values[1:].tolist(), np.diff(values), strict=True):
         change: Any = {target: value}
-        yield Step(**change) if not lapse else Ramp(lapse, **change) if rise else Hold(lapse)
+        yield Step(**change) if not lapse else Ramp(lapse, **change) if rise else Hold(lapse, hold=held)
+        held = None  # as before
