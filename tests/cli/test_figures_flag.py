@@ -1,5 +1,6 @@
 """``--figures`` and ``--measured``: every command that draws writes what is asked for, and nothing else."""
 
+import csv
 from pathlib import Path
 
 import numpy as np
@@ -52,6 +53,25 @@ def test_measured_times_outside_the_computed_ones_are_remarked(asked, command):
     text = "2 of 3 measured times are outside the computed ones, 100 ms to 10 s"
     for name in ("summary.txt", *["prediction.html"] * (command == "predict")):
         assert text in Path("out", name).read_text("utf-8")
+
+
+RAMP = '[[protocol]]\nkind = "ramp"\nduration = "10 s"\npressure = "60 MPa"\n'
+
+
+@pytest.mark.parametrize("protocol", ["", RAMP])
+def test_measured_areas_are_over_those_corrected_for_pixel_rims(asked, protocol):
+    text = asked.read_text()
+    asked.write_text(text.replace('last = "10 s"\n', "") + protocol if protocol else text)
+    assert main(["run", str(asked), "--quiet", "--figures", "", "--out", "out"]) == 0
+    data = asp.results.load("out")
+    rows = np.c_[data["time"].values[1:], 1e12 * data["contact_area_corrected"].values[1:]]
+    np.savetxt("own.csv", rows, delimiter=",", header="time_s,area_um2", comments="")
+    assert main(["run", str(asked), "--quiet", "--measured", "own.csv", "--out", "again"]) == 0
+    name = "history" if protocol else "aging_data"
+    table = Path(f"again/{name}.csv").read_text("utf-8")
+    ratios = csv.DictReader(line for line in table.splitlines() if line and line[0] != "#")
+    found = [float(row["measured / computed"]) for row in ratios if row["measured / computed"]]
+    assert found == pytest.approx(np.ones(len(rows)), rel=1e-9)
 
 
 @pytest.mark.slow

@@ -98,7 +98,7 @@ def test_priors_come_back_as_they_were_written_and_change_what_is_found(asperity
 
 @pytest.mark.slow
 def test_units_of_areas_make_them_absolute_and_those_of_times_count(asperity, table):
-    units = ("--unit-area", "mm^2", "--unit-time", "s")
+    units = ("--unit-area", "mm^2", "--units", "time [min]=s")
     assert asperity("infer", "area.csv", "--branches", "1", *units, "--out", "G")[0] == 0
     found = verdicts("G")
     assert "scale" not in found.index
@@ -118,6 +118,28 @@ def test_the_area_of_a_ball_has_the_unit_of_its_column(asperity):
     assert list(found.index[:3]) == ["load", "modulus", "radius"]  # areas in m^2 know a combination of them
     status, _, error = asperity(*words, "--quantity", "depth", "--out", "G")
     assert (status, "contact area" in error, "--unit-area" in error) == (2, True, False)
+
+
+@pytest.mark.parametrize("command", ["infer", "fit"])
+def test_a_flag_that_contradicts_the_unit_of_the_header_is_refused(asperity, command):
+    rows = "".join(f"{t},{1 + np.log(1 + t)}\n" for t in (1, 3, 10, 30, 100))
+    Path("area.csv").write_text(f"time_s,area_um2\n{rows}")
+    status, _, error = asperity(command, "area.csv", "--unit-time", "min", "--out", "F.png")
+    assert (status, "--unit-time: expected s, as the table says, got min" in error) == (2, True)
+
+
+def test_static_friction_in_percent_is_a_part_of_one(asperity):
+    hold = np.geomspace(0.5, 1e4, 16)
+    friction = 0.6 + 0.03 * np.log1p(hold / 2) + 5e-4 * np.random.default_rng(1).standard_normal(16)
+    for name, factor in (("static_friction_%", 100), ("static_friction", 1)):
+        np.savetxt("mu.csv", np.c_[hold, factor * friction], delimiter=",", header=f"t_s,{name}", comments="")
+        assert asperity("infer", "mu.csv", "--model", "healing", "--out", name, "--figures", "")[0] == 0
+    percent, part = (verdicts(name) for name in ("static_friction_%", "static_friction"))
+    pd.testing.assert_frame_equal(percent, part, rtol=1e-3)
+    assert part.loc["B", "low"] < 0.03 < part.loc["B", "high"]
+    found = asp.infer(hold, 100 * friction, model="healing")
+    low, high = found.table.set_index("parameter").loc["B", ["low", "high"]]
+    assert (low, high) == pytest.approx(tuple(100 * part.loc["B", ["low", "high"]]), rel=0.02)
 
 
 @pytest.mark.slow

@@ -84,6 +84,14 @@ def cell_of(dataset: xr.Dataset) -> float:
     return lattice_of(dataset).cell if dataset.attrs.get("si") else 1.0
 
 
+def comparable_area(dataset: xr.Dataset) -> Field:
+    """Contact area at each time to compare with measurements, corrected for pixel rims; m^2, or sites."""
+    name = "contact_area_corrected"
+    if dataset.attrs.get("si") and name in dataset:
+        return np.asarray(dataset[name])
+    return cell_of(dataset) * dataset["area"].values
+
+
 def _rough(fields: xr.Dataset) -> Field:
     """Heights of the rough surface where they are in one map: slid, and lower where it has yielded."""
     heights = np.asarray(fields["heights"], dtype=np.float64)

@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from asperity.analysis import AgingSummary
+from asperity.analysis.field_values import cell_of, comparable_area
 from asperity.base import checks
 from asperity.base.words import power
 from asperity.errors import InputError
@@ -64,10 +65,10 @@ def aging_curve(
     axes.margins(x=0.03)
     style.count_nominal_area(axes, 100.0 * summary.initial_area / summary.sites)
     if measured is not None:
-        si = dataset.attrs["si"]
-        first = float(dataset["contact_area" if si else "area"][0])
-        measurements = measured_area(measured, first * summary.sites / summary.initial_area, si=si)
-        draw_measured(grid[:2], measurements, summary.time, summary.area_ratio, 1 / first)
+        computed = comparable_area(dataset)
+        nominal = cell_of(dataset) * summary.sites
+        measurements = measured_area(measured, nominal, si=dataset.attrs["si"])
+        draw_measured(grid[:2], measurements, dataset["time"].values, computed / computed[0], 1 / computed[0])
     if summary.load is not None and falls:
         ratio = summary.load / summary.initial_load
         _draw_computed(grid[-1], summary.time, ratio)

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from asperity.analysis.field_values import cell_of
+from asperity.analysis.field_values import cell_of, comparable_area
 from asperity.analysis.legs import LegRow, leg_table, protocol_of
 from asperity.errors import InputError
 from asperity.figures import style
@@ -71,10 +71,10 @@ def history_figure(dataset: xr.Dataset, measured: Measurements | Path | str | No
         _mark_lowest(grid[last], time, per_site)
     figure.table = series_table(dataset, names)
     if measured is not None:
-        sites, times, site = dataset["area"].values, dataset["time"].values, cell_of(dataset)
+        times, site = dataset["time"].values, cell_of(dataset)
         measurements = measured_area(measured, site * dataset.attrs["sites"], si=dataset.attrs["si"])
-        ratio = draw_measured(grid[last:], measurements, times, per_site * sites, per_site / site, time.at)
-        figure.table |= ratio
+        factor, computed = per_site / site, comparable_area(dataset)
+        figure.table |= draw_measured(grid[last:], measurements, times, factor * computed, factor, time.at)
     style.count_nominal_area(grid[last], 100.0 / (dataset.attrs["sites"] * per_site))
     for axes in grid:
         style.finish(axes, legend=axes is grid[last], lines_along="y")

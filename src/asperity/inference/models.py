@@ -158,8 +158,11 @@ def of_name(
     if absolute and built.size is None:
         raise InputError("absolute", expected="none, for only ratios count", got=f"model {name!r}")
     if not absolute:
-        scale = Prior("log_uniform", _LEAST * float(value.min()), 2 * float(value.max()))
-        built = replace(built, priors={"scale": scale, **built.priors})
+        least, most = float(value.min()), float(value.max())
+        wide = {"scale": Prior("log_uniform", _LEAST * least, 2 * most)}
+        if name == "healing":
+            wide["B"] = Prior("log_uniform", most * _HEALING[0], most * _HEALING[1])
+        built = replace(built, priors=wide | built.priors | wide)
     built = built.with_priors(priors or {})
     if x1 := built.priors.get("x1"):
         low, high = x1.at(np.array(x1.reach)) / _RATIOS
@@ -378,9 +381,13 @@ def _eyring_solid(p: Mapping[str, float]) -> dict[str, object]:
     return _half_space(p, creep="eyring", **keys)
 
 
+_HEALING = (1e-5, 1.0)
+"""Ends of B, over the largest value."""
+
+
 def healing(first: float, last: float, _: int) -> Model:
     """Static friction against hold time."""
-    priors = {"B": Prior("log_uniform", 1e-5, 1.0), "time": Prior("log_uniform", first / 1e4, 10 * last, "s")}
+    priors = {"B": Prior("log_uniform", *_HEALING), "time": Prior("log_uniform", first / 1e4, 10 * last, "s")}
     return Model("healing", _healing, priors)
 
 

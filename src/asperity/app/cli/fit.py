@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Out, Switch
+from asperity.app.cli.flags import Out, Switch, unit_of
 from asperity.app.cli.new_files import check_figures, check_new_file
 from asperity.app.cli.options import COLUMNS, DRAWN, READING, CurveColumns, Drawn, Reading
 from asperity.errors import InputError
@@ -57,7 +57,7 @@ def fit(
     quantity
         Name of the values in the figure. [default: the name in the header]
     unit_time
-        Unit of the hold times in the figure, such as s. [default: that of the table]
+        Unit of the hold times, such as s, where the table states none.
     """
     figures = check_figures("--out", out, drawn, overwrite=overwrite, source=file)
     if json is not None:
@@ -74,7 +74,7 @@ def fit(
     from asperity.base.rows import Row, aligned, words_of
     from asperity.figures import fit_figure
 
-    unit = unit_time or data.time_unit
+    unit = unit_of("--unit-time", unit_time, data.time_unit)
     named = quantity or data.value_name or "value"
     with Door({}, file).answering():  # what computes does not know where the numbers came from
         growth = measured_growth(

@@ -154,6 +154,16 @@ def check_unit(flag: str, value: object, *units: str) -> None:
             raise InputError(flag, expected="a number with its unit", got=got, advice=advice)
 
 
+def unit_of(flag: str, chosen: str | None, stated: str) -> str:
+    """The unit that a flag or a table states; `InputError` if they differ."""
+    from asperity.base.units import spelled
+
+    if chosen and stated and spelled(chosen) != spelled(stated):
+        advice = f"no {flag}, or --units for a header that is wrong"
+        raise InputError(flag, expected=f"{stated}, as the table says", got=chosen, advice=advice)
+    return chosen or stated
+
+
 def _paired(written: Iterable[str]) -> list[str]:
     """Pairs, each typed as one word or as two."""
     words = map(str.strip, written)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Folder, check_unit, naming
+from asperity.app.cli.flags import Folder, check_unit, naming, unit_of
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import (
     COLUMNS,
@@ -89,7 +89,7 @@ def infer(
         Standard error of all values, or relative to each, such as 1%, in place of a column. [default: from
         the scatter about the best fit]
     unit_time
-        Unit of the hold times. [default: that of the column's name, or s]
+        Unit of the hold times, where the table states none. [default: s]
     unit_area
         Unit of the areas, such as mm^2, if their size is to count; 1 for areas over the nominal area
         (lattice); for a ball, unit of its depth, radius or area. [default: only ratios count; what is
@@ -230,25 +230,27 @@ def _curve(
         raise InputError("--error", expected="none beside --column-stderr", got=error)
     remarks, unit, how = table.remarks, table.value_unit, dict[str, object]()
     unit_time, unit_area = units
+    of_value = unit_of("--unit-area", unit_area, table.value_unit)
     if model == "ball":
-        quantity, unit_area = quantity or table.quantity, unit_area or table.value_unit
+        quantity, unit_area = quantity or table.quantity, of_value
         if quantity not in ("depth", "radius", "area"):
             expected = "depth, radius or area of the contact of the ball"
             got = f"a column {table.value_name!r}"
             raise InputError("--quantity", expected=expected, got=got, advice="--quantity depth")
         how["quantity"] = quantity
     how["absolute"] = bool(unit_area) and model != "held"
-    target = "1"
+    target, part = "1", "%" if of_value == "%" and model == "healing" else ""  # others compare ratios alone
     if unit_area:
         by_model = {"lattice": "1", "ball": "m^2" if quantity == "area" else "m", "held": "N"}
         target = by_model.get(model, "m^2")
+    if unit_area or part:
         unit = target.removeprefix("1")
     if not (unit_time or table.time_unit or model == "lattice"):
         remarks = (*remarks, f"no unit of time beside {table.time_name!r}, taken as s; --unit-time decides")
-    of_time = unit_time or table.time_unit or "s"
+    of_time = unit_of("--unit-time", unit_time, table.time_unit) or "s"
     if isinstance(error, float):
         table = replace(table, stderr=np.full_like(table.value, error))
-    table = replace(table, time_unit="s" if of_time == "1" else of_time, value_unit=unit_area or "")
+    table = replace(table, time_unit="s" if of_time == "1" else of_time, value_unit=unit_area or part)
     table = table.in_units("s", target, ("--unit-time", "--unit-area"))
     errors = error if isinstance(error, str) else table.stderr
     return _Data((table.time, table.value, errors), table.source, remarks, unit, how)
