@@ -113,6 +113,21 @@ def test_pillars_let_go_as_their_compliance_says(solid, edges):
         assert pressed(11.0, ratio * expected).pull_off(1e-3).force == pytest.approx(expected, rel=0.02)
 
 
+@pytest.mark.parametrize("apparatus", [np.inf, 30.0, 0.1])
+def test_a_spring_beside_the_contact_changes_no_force(apparatus):
+    heights = np.random.default_rng(3).normal(size=(32, 32))
+    for rough in (heights, ball(8)[0]):
+        alone, beside = (
+            asp.press(
+                surface(rough, "periodic"), asp.solids.half_space(modulus=1.0, apparatus=one), load=40.0
+            )
+            .pull_off(1e-2)
+            .force
+            for one in (None, apparatus)
+        )
+        assert beside == pytest.approx(alone, rel=1e-3)
+
+
 def test_a_rough_plateau_in_full_contact_lets_go_whatever_it_bore():
     """Above a rough base that never touches; its top is pressed flat by either load."""
     rough = np.random.default_rng(3).normal(size=(32, 32))

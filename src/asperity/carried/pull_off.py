@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
@@ -35,6 +35,7 @@ from asperity.base import checks, units, views
 from asperity.base.calls import remark
 from asperity.contact import Contact
 from asperity.contact.arrays import inner
+from asperity.contact.mechanics import mechanics_of
 from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field, Mask
 from asperity.patches import patches
@@ -55,8 +56,8 @@ class Tuning:
     places open first."""
 
     share: float = 0.04
-    """Share of the outermost layer that opens in a step. Forces of rough contacts are up to 5 % above those
-    at 0.01; at 0.02 up to 2 %, for half as much time again."""
+    """Share of the outermost layer that opens in a step. Forces of rough contacts are 18 % below to 5 % above
+    those at 0.01, which takes three times as long."""
 
     coarse: float = 0.2
     """`share` far from the largest tension."""
@@ -209,7 +210,9 @@ class _Bond:
         self.mode: Any = "reflect" if lattice.reflecting else "wrap"
         self.around: Any = lattice.shape * self.sides * (1 + lattice.reflecting)
         self.flips = list(itertools.product({False, lattice.reflecting}, repeat=2))
-        stiffness = contact.system().mechanics.implicit_step(0.0).stiffness
+        # A spring beside the contact shifts all approaches alike, and no force.
+        alone = mechanics_of(replace(contact.solid, apparatus=None), lattice)
+        stiffness = alone.implicit_step(0.0).stiffness
         self.compliance = np.divide(1.0, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
         self.unit = float(self.compliance.max())
         self.soft: Any = (self.compliance / self.unit).astype(np.float32)
@@ -219,6 +222,7 @@ class _Bond:
         self.target = self._continued(self._moved(force))
         self.energy = TUNING.toughness * work * lattice.cell
         self.stiffness = contact.normal_stiffness
+        self.stiffness /= 1 - self.stiffness / (contact.solid.apparatus or math.inf)
         self.step = TUNING.apart * math.sqrt(self.energy * contact.area / self.stiffness)
         self.forces: list[Pair] = [(force, np.zeros_like(force))] * 3
 

@@ -81,6 +81,8 @@ def law_for(
         raise InputError("pressures", expected="rising approaches", got="closer ones", advice="fewer")
     head = f"asperity {dataset.attrs['asperity_version']}: law of a rough contact, {direction}, age "
     head += f"{written(float(table['time']), 's')}, in {'N, mm, s, MPa, mW, V, mA' if millimeters else 'SI'}"
+    if direction == "unloading":
+        head += ", below the lowest pressure along its tangent"
     prefix = "" if direction == "loading" else f"{direction}_"  # an input may include both files
     return (_calculix if program == "calculix" else _moose)(columns, head, prefix)
 
