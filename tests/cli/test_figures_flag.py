@@ -40,7 +40,7 @@ def test_a_file_and_flags_say_the_formats(asked, command, flags, found):
     assert main([command, str(asked), *flags, "--quiet", "--measured", "area.csv", "--out", "out"]) == 0
     assert suffixes(Path("out")) == found
     table = Path("out", "growth.csv" if command == "predict" else "aging_data.csv").read_text("utf-8")
-    assert "measured / computed" in table
+    assert ("measured / computed" if command == "predict" else "measured / corrected") in table
     assert "measured times" not in Path("out/summary.txt").read_text("utf-8")
     assert main([command, str(asked), "--quiet", "--figures", "", "--out", "bare"]) == 0
     assert not suffixes(Path("bare"))
@@ -70,7 +70,7 @@ def test_measured_areas_are_over_those_corrected_for_pixel_rims(asked, protocol)
     name = "history" if protocol else "aging_data"
     table = Path(f"again/{name}.csv").read_text("utf-8")
     ratios = csv.DictReader(line for line in table.splitlines() if line and line[0] != "#")
-    found = [float(row["measured / computed"]) for row in ratios if row["measured / computed"]]
+    found = [float(row["measured / corrected"]) for row in ratios if row["measured / corrected"]]
     assert found == pytest.approx(np.ones(len(rows)), rel=1e-9)
 
 

@@ -84,12 +84,15 @@ def cell_of(dataset: xr.Dataset) -> float:
     return lattice_of(dataset).cell if dataset.attrs.get("si") else 1.0
 
 
-def comparable_area(dataset: xr.Dataset) -> Field:
-    """Contact area at each time to compare with measurements, corrected for pixel rims; m^2, or sites."""
+def comparable_area(dataset: xr.Dataset) -> tuple[Field, str]:
+    """Contact area at each time to compare with measurements, m^2 or sites, and what it is called.
+
+    It is corrected for pixel rims where there are such.
+    """
     name = "contact_area_corrected"
     if dataset.attrs.get("si") and name in dataset:
-        return np.asarray(dataset[name])
-    return cell_of(dataset) * dataset["area"].values
+        return np.asarray(dataset[name]), "corrected"
+    return cell_of(dataset) * dataset["area"].values, "computed"
 
 
 def _rough(fields: xr.Dataset) -> Field:

@@ -65,10 +65,9 @@ def aging_curve(
     axes.margins(x=0.03)
     style.count_nominal_area(axes, 100.0 * summary.initial_area / summary.sites)
     if measured is not None:
-        computed = comparable_area(dataset)
-        nominal = cell_of(dataset) * summary.sites
-        measurements = measured_area(measured, nominal, si=dataset.attrs["si"])
-        draw_measured(grid[:2], measurements, dataset["time"].values, computed / computed[0], 1 / computed[0])
+        (computed, called), time = comparable_area(dataset), dataset["time"].values
+        measurements = measured_area(measured, cell_of(dataset) * summary.sites, si=dataset.attrs["si"])
+        draw_measured(grid[:2], measurements, time, computed / computed[0], 1 / computed[0], called=called)
     if summary.load is not None and falls:
         ratio = summary.load / summary.initial_load
         _draw_computed(grid[-1], summary.time, ratio)

@@ -73,8 +73,10 @@ def history_figure(dataset: xr.Dataset, measured: Measurements | Path | str | No
     if measured is not None:
         times, site = dataset["time"].values, cell_of(dataset)
         measurements = measured_area(measured, site * dataset.attrs["sites"], si=dataset.attrs["si"])
-        factor, computed = per_site / site, comparable_area(dataset)
-        figure.table |= draw_measured(grid[last:], measurements, times, factor * computed, factor, time.at)
+        (computed, called), factor = comparable_area(dataset), per_site / site
+        figure.table |= draw_measured(
+            grid[last:], measurements, times, factor * computed, factor, time.at, called=called
+        )
     style.count_nominal_area(grid[last], 100.0 / (dataset.attrs["sites"] * per_site))
     for axes in grid:
         style.finish(axes, legend=axes is grid[last], lines_along="y")

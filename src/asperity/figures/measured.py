@@ -22,12 +22,14 @@ def draw_measured(
     computed: Field,
     factor: float,
     place: Callable[[Field], Field] = np.asarray,
+    *,
+    called: str = "computed",
 ) -> dict[str, object]:
     """Draw measured values with their errors into a panel, and in that below it measured over computed.
 
-    Computed values are as they are drawn: `factor` times those of the unit of the measured ones. Between
-    their times they are interpolated over ln t; beyond these there is no ratio, and a `Remark` says so.
-    `place` says where on the axis a time is. Returns what it draws, as columns.
+    Computed values, or what they are ``called``, are in the unit that is drawn: `factor` times those of the
+    unit of the measured ones. Between their times they are interpolated over ln t; beyond these there is no
+    ratio, and a `Remark` says so. `place` says where on the axis a time is. Returns columns of what it draws.
     """
     upper, lower = grid
     positive = time > 0
@@ -48,7 +50,7 @@ def draw_measured(
     upper.set_ylim(min(low, float(ends[0].min()) - room), max(high, float(ends[1].max()) + room))
     lower.errorbar(at, value / beside, None if error is None else error / beside, **look)
     lower.axhline(1, color=style.INK, linewidth=0.8)
-    lower.set_ylabel("measured /\ncomputed", multialignment="center")
+    lower.set_ylabel(f"measured /\n{called}", multialignment="center")
     columns: dict[str, object] = {style.with_unit("measured: time", series.time_unit): series.time}
-    columns |= {f"measured: {upper.get_ylabel()}": value, "measured / computed": value / beside}
+    columns |= {f"measured: {upper.get_ylabel()}": value, f"measured / {called}": value / beside}
     return columns if error is None else columns | {f"standard error: {upper.get_ylabel()}": error}
