@@ -68,6 +68,22 @@ def test_relaxation_in_time_is_that_of_the_transform(x, branches):
         assert found / at_once == pytest.approx(scale * talbot(transform, t) / at_once, abs=3e-3)
 
 
+def test_the_whole_ages_from_one_elastic_contact_to_another():
+    rough = correlated(64)
+    film = asp.solids.coated_half_space(**FILM, branches=[(0.5, 1.0)], base_branches=[(0.8, 100.0)])
+    relaxed_film = {"modulus": 1.0, "base_modulus": 0.1}
+    contact = asp.press(rough, film, load=0.02 * rough.size)
+    at_once = asp.press(rough, asp.solids.coated_half_space(**FILM), load=0.02 * rough.size)
+    in_the_end = asp.press(rough, asp.solids.coated_half_space(**FILM | relaxed_film), load=0.02 * rough.size)
+    np.testing.assert_array_equal(contact.in_contact, at_once.in_contact)
+    history = asp.age(contact, [0.1, 1.0, 1e6])
+    areas = history.dataset["area"].values
+    assert not film.separable
+    assert (np.diff(areas) > 0).all()
+    assert asp.relax(contact).area == in_the_end.area
+    assert areas[-1] == pytest.approx(in_the_end.area, abs=1)
+
+
 def test_numbers_are_checked():
     wrong: dict[str, Any] = {"thickness": 0.0, "base_poisson": 0.7, "base_modulus": -1.0}
     wrong |= {"base_branches": [(0.5, -1.0)], "branches": [(1.0, 1.0)]}

@@ -1,4 +1,4 @@
-"""Indenters on viscoelastic half-spaces, beside a slow quadrature."""
+"""Indenters on viscoelastic half-spaces, beside a slow quadrature and a half-space pressed numerically."""
 
 import itertools
 from typing import Any
@@ -73,6 +73,15 @@ def test_the_force_is_that_of_a_slow_quadrature(tip):
     np.testing.assert_allclose(force, slow, rtol=0, atol=1e-7 * slow.max())
 
 
+def test_steps_between_times_change_nothing():
+    knots = np.array([0.0, *KNOTS])
+    coarse = np.interp(knots, knots, (-1e-6, *DEPTHS))
+    fine = np.linspace(0, 4, 4001)
+    force = asp.theory.ting(fine, np.interp(fine, knots, coarse), SERIES, RADIUS)
+    at = asp.theory.ting(knots, coarse, SERIES, RADIUS)
+    np.testing.assert_allclose(at, np.interp(knots, fine, force), rtol=0, atol=1e-9 * force.max())
+
+
 def test_an_elastic_solid_obeys_hertz_both_ways():
     solid = asp.relaxation.PronySeries(MODULUS)
     time = np.linspace(0, 4, 101)
@@ -98,3 +107,24 @@ def test_shapes_times_and_sizes_are_refused():
         ("angle", "none", lambda: ting(time, depth, SERIES, RADIUS, tip="cone")),
         ("depth", "a rise up to 3 s", ting, np.arange(5.0), [0.0, 2e-6, 1e-6, 1.9e-6, 0.0], SERIES, RADIUS),
     )
+
+
+@pytest.mark.slow
+def test_a_half_space_with_free_edges_is_pressed_and_withdrawn_alike():
+    ball = asp.surfaces.paraboloid((64, 64), radius=RADIUS, pixel_size=5e-8)
+    solid = asp.solids.half_space(modulus=1e6, branches=[(0.4, 0.3), (0.3, 3.0)])
+    series = asp.relaxation.PronySeries(1e6, ((0.4, 0.3), (0.3, 3.0)))
+    first, most = 2e-9, 1e-7
+    ramp = asp.protocols.Ramp
+    legs = [
+        ramp(1.0, separation=-most),
+        asp.protocols.Hold(2.0, hold="separation"),
+        ramp(1.0, separation=first),
+    ]
+    times = np.concatenate([np.linspace(0.1, 3, 12), np.linspace(3.05, 3.6, 12)])
+    history = asp.age(asp.press(ball, solid, separation=-first), times, protocol=legs).dataset
+    time = history.time.values
+    knots, depths = [0, 1, 3, 4], [first, most, most, -first]
+    force = asp.theory.ting(time, np.interp(time, knots, depths), series, RADIUS)
+    assert (force[time > 3] > 0).sum() > 8
+    np.testing.assert_allclose(history["load"].values, force, rtol=0, atol=0.01 * force.max())
