@@ -296,7 +296,8 @@ class _March:
 
     def aim(self, landing: bool, left: float) -> Aim:
         """Accuracy of the next time step; ``landing`` if it leads to a frame, a time ``left`` after it."""
-        tolerance, allowed = self.passing, self.unnoticed
+        # Where their number is prescribed, contacts have to settle.
+        tolerance, allowed = TOLERANCE if self.area else self.passing, self.unnoticed
         if landing:
             tolerance, allowed = TOLERANCE, TUNING.published * self.controller.tolerance * self.deformation
         return Aim((self.passing, tolerance), (self.unnoticed, allowed), self.deformation, left)
