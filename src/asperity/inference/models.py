@@ -159,10 +159,10 @@ def of_name(
         raise InputError("absolute", expected="none, for only ratios count", got=f"model {name!r}")
     if not absolute:
         least, most = float(value.min()), float(value.max())
-        wide = {"scale": Prior("log_uniform", _LEAST * least, 2 * most)}
-        if name == "healing":
-            wide["B"] = Prior("log_uniform", most * _HEALING[0], most * _HEALING[1])
-        built = replace(built, priors=wide | built.priors | wide)
+        scale = Prior("log_uniform", _LEAST * least, 2 * most)
+        built = replace(built, priors={"scale": scale, **built.priors})
+        if (relative := built.priors.get("B")) is not None:  # B has the unit of the values
+            built = built.with_priors({"B": (most * relative.first, most * relative.second)})
     built = built.with_priors(priors or {})
     if x1 := built.priors.get("x1"):
         low, high = x1.at(np.array(x1.reach)) / _RATIOS
@@ -381,13 +381,9 @@ def _eyring_solid(p: Mapping[str, float]) -> dict[str, object]:
     return _half_space(p, creep="eyring", **keys)
 
 
-_HEALING = (1e-5, 1.0)
-"""Ends of B, over the largest value."""
-
-
 def healing(first: float, last: float, _: int) -> Model:
-    """Static friction against hold time."""
-    priors = {"B": Prior("log_uniform", *_HEALING), "time": Prior("log_uniform", first / 1e4, 10 * last, "s")}
+    """Static friction against hold time; B here over the largest value."""
+    priors = {"B": Prior("log_uniform", 1e-5, 1.0), "time": Prior("log_uniform", first / 1e4, 10 * last, "s")}
     return Model("healing", _healing, priors)
 
 
