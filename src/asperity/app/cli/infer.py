@@ -278,5 +278,8 @@ def _measurements(file: Path, how: dict[str, Any], model: str, quantity: str | N
         if "quantity" not in mistake.cure:
             raise
         of = {"force": "held", "friction": "healing", "area": "relaxation"}
-        mistake.cure = {"model": of.get(str(mistake.cure["quantity"]), "ball")}
+        better = of.get(str(mistake.cure["quantity"]), "ball")
+        mistake.cure = {"model": better}
+        if better == model:
+            mistake.cure, mistake.advice = {}, "friction forces divided by the normal load"
         raise mistake.about(mistake.name) from None
