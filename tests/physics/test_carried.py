@@ -41,6 +41,26 @@ def test_one_disc_has_the_resistance_of_holm(hertz):
     assert hertz.tangential_stiffness(NU) == pytest.approx(RATIO * 2 * A, rel=2e-3)
 
 
+@pytest.mark.parametrize("apparatus", ["1e9 N/m", "1e6 N/m", "1 N/m"])
+def test_current_and_heat_do_not_pass_the_apparatus(apparatus):
+    """It is in series with the normal stiffness; its own is known, and spreads no band."""
+    how = {"hurst": 0.8, "roll_off": 4.0, "cutoff": 2.0, "rms_height": 0.02, "pixel_size": 1.0}
+    scan = asp.surfaces.spectral((32, 32), **how, unit="um", seed=1)
+    carried, ends = asp.Carried(resistivity=1e-6, conductivity=0.2), ("", "_low", "_high")
+    spans = {"pressure": "1 MPa", "first": 1.0, "last": 10.0, "per_decade": 4}
+    found = []
+    for one in (None, apparatus):
+        solid = asp.solids.half_space(young="3 GPa", poisson=0.3, apparatus=one, branches=[(0.5, 1.0)])
+        found.append(asp.predict(solid, scan, **spans, carried=carried).dataset)
+    alone, beside = found
+    for name in ("resistance", "resistance_low", "resistance_high", "thermal_resistance"):
+        np.testing.assert_allclose(beside[name], alone[name], rtol=1e-7)
+    assert alone["normal_stiffness_low"].notnull().all()
+    for end in ends:
+        name, spring = f"normal_stiffness{end}", beside.attrs["apparatus"]
+        np.testing.assert_allclose(beside[name], 1 / (1 / alone[name] + 1 / spring), rtol=2e-4)
+
+
 def test_far_discs_conduct_side_by_side():
     """Conductances add, but for an influence of a / (pi d) of each on the other (J. A. Greenwood, 1966)."""
     shape, a = (64, 512), 12 * PIXEL

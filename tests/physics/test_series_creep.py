@@ -232,6 +232,20 @@ def test_beside_a_permanent_share_the_end_is_the_elastic_contact_of_that(permane
     assert (data["area"][-8:] == elastic.area).all()
 
 
+@pytest.mark.parametrize("apparatus", [np.inf, 5.0])
+@pytest.mark.parametrize("hardness", [None, 2.0])
+def test_at_a_held_separation_the_mean_creeps_until_nothing_is_borne(apparatus, hardness):
+    """A permanent share resists waves, and not the mean: this sinks while any force is left."""
+    heights = asp.surfaces.spectral((16, 16), roll_off=8, cutoff=3, rms_height=1.0, seed=2)
+    law = Norton(rate=0.1, stress=0.4, exponent=1.0)
+    solid = half_space(modulus=1.0, creep=law, permanent=0.4, apparatus=apparatus, hardness=hardness)
+    contact = asp.press(asp.surfaces.Surface(heights, pixel_size=1.0), solid, load=5.0)
+    limit, late = asp.relax(contact, hold="separation"), asp.age(contact, [1e7], hold="separation").final
+    assert (limit.load, limit.area) == (0.0, 1)
+    np.testing.assert_allclose(late.u, limit.u, atol=1e-7)
+    assert late.load < 1e-9
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("permanent", [0.0, 0.4])
 def test_equal_steps_converge_at_second_order(permanent):

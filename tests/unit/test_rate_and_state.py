@@ -44,6 +44,12 @@ def test_friction_is_strength_times_area():
     assert found["friction_force"].attrs["units"] == DATASET["load"].attrs["units"]
     assert found.attrs["shear_strength"] == 4.0
     assert "friction" not in DATASET
+    apart = F.add_friction(
+        DATASET.assign(load=DATASET["load"] * np.arange(-1.0, DATASET.sizes["time"] - 1)), 4.0
+    )
+    assert np.isnan(apart["friction"][:2]).all()  # a load that pulls, and none
+    np.testing.assert_allclose(apart["friction"][2], expected[2], rtol=1e-14)
+    np.testing.assert_array_equal(apart["friction_force"], found["friction_force"])
 
 
 def test_a_half_space_has_the_friction_of_a_prediction():

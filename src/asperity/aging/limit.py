@@ -31,7 +31,7 @@ from asperity.lattice import Field
 
 def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = None) -> Contact:
     """Find the state that a contact creeps toward under a control; see `asperity.relax`."""
-    system = contact.system(control)
+    system = whole = contact.system(control)
     if system.mechanics.law is not None:
         system = replace(system, mechanics=_without_law(system.mechanics))
     mechanics = system.mechanics
@@ -51,10 +51,10 @@ def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = N
     step = mechanics.implicit_step(np.inf)
     if some_soft:
         solution = _without_stiffness(system, step, before, position)
-    elif system.free_mean:
+    elif whole.free_mean:
         level = 0.0 if contact.area else max(0.0, position)  # flat, touching unless the body hung above
         flat = Solution(np.full(u.shape, level), system.heights >= level, 0, 0)
-        return contact_from(system, flat, AnchorFields.flat(level, system), position, bodies=contact)
+        return contact_from(whole, flat, AnchorFields.flat(level, whole), position, bodies=contact)
     else:
         guess = Guess(u, in_contact)
         problem = system.problem(step, before)

@@ -16,6 +16,7 @@ solid   `Material.spread`: random draws of the branches. A separable half-space 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -166,6 +167,9 @@ def with_bands(dataset: xr.Dataset, scan: OfScan, solid: Mapping[str, Floats]) -
         factors = scan.draws(part)
         if part == "punch":
             factors[:, dataset["contact_fraction"].values > CLOSED] = np.nan
+        if name == "normal_stiffness":  # the apparatus is in series, and sure
+            sure = dataset[name].values / dataset.attrs.get("apparatus", math.inf)
+            factors = 1 / (sure + (1 - sure) / factors)
         factors *= np.resize(solid.get(base, [[1.0]]), factors.shape)
         columns |= band_of(dataset[name], factors**power)
     return dataset.assign(columns)

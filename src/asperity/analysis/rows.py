@@ -85,7 +85,7 @@ def friction_rows(dataset: xr.Dataset) -> list[Row]:
     for leg in leg_table(dataset) if "friction_by_area" in dataset else ():
         since = dataset["time"].values - leg.begin
         in_leg, tenth = numbers_of(dataset) == leg.number, (0.1 - 1e-9) * (leg.end - leg.begin)
-        late = in_leg & (since >= tenth) & (since > 0)
+        late = in_leg & (since >= tenth) & (since > 0) & (dataset["load"].values > 0)
         if not leg.leg.rests or np.count_nonzero(late) < 2:
             continue
         ends = np.flatnonzero(late)[[0, -1]]

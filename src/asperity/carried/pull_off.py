@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 
 from asperity.base import checks, units, views
 from asperity.base.calls import remark
+from asperity.carried.response import stiffness_of_contact
 from asperity.contact import Contact
 from asperity.contact.arrays import inner
 from asperity.contact.mechanics import mechanics_of
@@ -221,8 +222,7 @@ class _Bond:
         force = lattice.extended(contact.force, beyond=0.0)
         self.target = self._continued(self._moved(force))
         self.energy = TUNING.toughness * work * lattice.cell
-        self.stiffness = contact.normal_stiffness
-        self.stiffness /= 1 - self.stiffness / (contact.solid.apparatus or math.inf)
+        self.stiffness = stiffness_of_contact(contact)
         self.step = TUNING.apart * math.sqrt(self.energy * contact.area / self.stiffness)
         self.forces: list[Pair] = [(force, np.zeros_like(force))] * 3
 

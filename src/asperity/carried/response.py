@@ -60,6 +60,12 @@ def normal_stiffness(contact: Contact) -> float:
     return 1.0 / lowered if lowered > 0 else math.inf
 
 
+def stiffness_of_contact(contact: Contact) -> float:
+    """Normal stiffness without that of the apparatus, in series."""
+    compliance = 1 / contact.normal_stiffness - 1 / (contact.solid.apparatus or math.inf)
+    return 1 / compliance if compliance > 0 else math.inf
+
+
 def punch(contact: Contact, in_contact: Mask) -> Field:
     """Share of each site in the load of a rigid punch on these sites, on the solid of a contact."""
     if not in_contact.any():
@@ -95,15 +101,14 @@ def thermal_resistance(contact: Contact, conductivity: Each) -> float:
 
 
 def _of_constrictions(contact: Contact, resistivity: float) -> float:
-    r"""Constriction resistance of a contact, from its normal stiffness k_n.
+    r"""Constriction resistance of a contact, from its normal stiffness k_n without an apparatus.
 
     1 / R = 2 k_n / (E* (rho_1 + rho_2)), with the sum of the resistivities of the two half-spaces (J. R.
     Barber, Proc. R. Soc. A 459, 53 (2003), DOI 10.1098/rspa.2002.1038); of one disc R is (rho_1 + rho_2) /
     (4 a), as R. Holm has it.
     """
     modulus = check_half_space("resistance", contact.solid, contact.lattice)
-    stiffness = contact.normal_stiffness
-    return modulus * resistivity / (2 * stiffness) if stiffness > 0 else math.inf
+    return modulus * resistivity / (2 * stiffness_of_contact(contact)) if contact.area else math.inf
 
 
 def _of_both(name: str, values: Each, unit: str, *, si: bool) -> tuple[float, float]:

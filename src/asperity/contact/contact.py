@@ -68,7 +68,7 @@ class Contact(Bodies, views.InNotebooks):
     in_contact
         Whether a site is in contact.
     energy
-        Elastic energy, force times length (Jagla, Eq. e), and that of adhesion, -w for each area in contact.
+        Elastic energy, force times length (Jagla, Eq. e), and that of adhesion, an integral over the sites.
     residual
         Largest force off contact (or tension in contact, or excess over the hardness) that the fields leave,
         relative to the mean contact force, or to the attraction of a site where bodies stick and that is

@@ -34,7 +34,8 @@ def remarks_on_history(
     if last is contacts[-1] and last.fraction <= 0.5 and last.patches < first.patches / 2:
         yield f"patches merge: {first.patches} {first.when}, {last.patches} {last.when}"
     at = int(np.argmax(dataset["load"].values >= (1 - _STILL) * dataset["load"].values.max()))
-    if "friction" in dataset and not _RUBBED[0] <= (mu := float(dataset["friction"][at])) <= _RUBBED[1]:
+    mu = float(dataset["friction"][at]) if "friction" in dataset else math.nan
+    if mu < _RUBBED[0] or mu > _RUBBED[1]:
         usual = "dry solids have {} to {}".format(*_RUBBED)
         yield f"the coefficient of friction is {mu:.3g}; {usual}: check the shear strength"
 

@@ -19,6 +19,7 @@ from asperity.ask.question import answers
 from asperity.ask.surface import scan_of
 from asperity.base.machine import require
 from asperity.base.readable import length_factor, written
+from asperity.carried.response import stiffness_of_contact
 from asperity.contact.remarks import remarks_on_bodies
 from asperity.errors import InputError
 from asperity.lattice import Field
@@ -266,5 +267,5 @@ def bands_of(
         first, last = history.dataset["time"].values == span[0], history.final
         area, force = last.contact_area_corrected, last.load
         growth = area / float(history.dataset["contact_area_corrected"][first][0])
-        bands.append(Band(shortest * meter, area, force / area, growth, last.normal_stiffness))
+        bands.append(Band(shortest * meter, area, force / area, growth, stiffness_of_contact(last)))
     return tuple(bands)

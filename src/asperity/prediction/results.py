@@ -95,7 +95,7 @@ class Band:
     growth
         That area over the one at the first time.
     stiffness
-        Normal contact stiffness; conductances are proportional to it.
+        Normal contact stiffness without an apparatus; conductances are proportional to it.
     """
 
     shortest: float

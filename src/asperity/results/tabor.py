@@ -19,7 +19,6 @@ from asperity.base import checks, units
 from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.results.quantities import describe, select, units_named
-from asperity.theory import static_friction
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,13 +30,13 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
     Returns
     -------
     Dataset
-        With ``friction_force`` and ``friction``, the force over the load: those of sliding, or, at rest,
-        those at which the surface would begin to slide, at the velocity of the next slide leg, or else of the
-        last one. The area is ``contact_area_corrected``; on a solid that is defined on sites, their number.
+        With ``friction_force`` and ``friction``, the force over the load, NaN where that does not press:
+        those of sliding, or, at rest, those at which the surface would begin to slide, at the velocity of the
+        next slide leg, or else of the last one. The area is ``contact_area_corrected``; on a solid that is
+        defined on sites, their number.
 
     `InputError` for a strength with units if the dataset has none, one that depends on a velocity which the
-    history lacks, or one that grows with the age of contacts. The coefficient is
-    `asperity.theory.static_friction`.
+    history lacks, or one that grows with the age of contacts.
     """
     import xarray as xr
 
@@ -59,11 +58,10 @@ def with_friction(dataset: xr.Dataset, law: ShearStrength, grown: Floats | None 
 
     speeds = np.apply_along_axis(coming_velocity, -1, np.broadcast_to(velocity, load.shape))
     strength, touching = law.at(speeds, 0.0 if grown is None else grown), np.maximum(area.values, 0.0)
-    carried = np.maximum(load.values, np.finfo(float).tiny)
-    coefficient = static_friction(touching, carried, strength)
-    series = {"friction_force": coefficient * carried, "friction": coefficient}
+    carried = np.where(load.values > 0, load.values, np.nan)
+    series = {"friction_force": strength * touching, "friction": strength * touching / carried}
     if grown is not None:
-        by_area = static_friction(touching, carried, law.at(speeds))
+        by_area = law.at(speeds) * touching / carried
         series |= {"friction_by_area": by_area, "strength_mean": strength}
     named = units_named({name: dataset[name].attrs["units"] for name in ("time", "load")})
     dataset = dataset.assign({name: (load.dims, values) for name, values in series.items()})

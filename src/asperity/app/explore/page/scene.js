@@ -52,7 +52,8 @@ class Scene {
     if (name === "friction" && this.shear) {
       const area = this.columns.includes("contact_area_corrected") ? "contact_area_corrected" : "area";
       const strength = this.shear * (this.columns.includes("relative_strength") ? this.value(row, "relative_strength") : 1);
-      return strength * this.value(row, area) / this.value(row, "load");
+      const load = this.value(row, "load");
+      return load > 0 ? strength * this.value(row, area) / load : NaN;
     }
     return at < 0 || !this.rows[row] ? NaN : this.rows[row][at];
   }
