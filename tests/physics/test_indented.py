@@ -191,3 +191,39 @@ def test_a_snap_in_and_an_offset_of_the_force_do_not_turn_it():
         assert read.signs == "depth grows into the body, forces above 0 press"
         assert read.baseline == pytest.approx(rest, abs=0.01 * most)
         np.testing.assert_allclose(read.force[TIME > 0.9], force[TIME > 0.9], atol=0.01 * most)
+
+
+@pytest.mark.parametrize(
+    ("begun", "lasting", "held"), [(0.0, 0.05, 10.0), (0.0, 0.5, 60.0), (0.5, 1.0, 60.0)]
+)
+def test_a_fast_approach_before_a_long_hold_is_read_and_relaxes(begun, lasting, held):
+    """The first twentieth of the rows has the approach, too; the hold relaxes within its first rows."""
+    time = np.linspace(0, held, 1001)
+    depth = np.interp(time, (0, begun, begun + lasting), (-1e-7 * (begun > 0), 0, 1e-6))
+    series = asp.relaxation.PronySeries(2000.0, ((0.4, 0.5),))
+    force = noisy(5, part=2e-3, force=asp.theory.ting(time, depth, series, RADIUS))
+    found = inferred(time, depth, force=force, branches=1, **BALL)
+    assert found.record.signs == "depth grows into the body, forces above 0 press"
+    at = np.array([0.1, 1.0, 10.0])
+    np.testing.assert_allclose(found.modulus_at(at)[1], series.modulus_at(at), rtol=4e-3)
+    begins = inferred(
+        time[1:], np.full(1000, 1e-6), force=np.append(0.0, np.full(999, 1e-8)), branches=1, **BALL
+    )
+    assert "forces above 0 press" in begins.record.signs
+
+
+@pytest.mark.parametrize("deep", [0.3, 0.95])
+def test_a_tip_that_stays_in_contact_has_no_force_out_of_it(deep):
+    time = np.linspace(0, 12, 601)
+    depth = np.interp(time, (0, 1, 4, 5), (0, 1e-6, 1e-6, deep * 1e-6))
+    elastic = 4 / 3 * np.sqrt(RADIUS) * 2000 * depth**1.5  # Hertz, both ways
+    found = inferred(time, depth, force=noisy(6, part=1e-4, force=elastic), branches=1, **BALL)
+    assert found.deviation[0] < 1e-3
+    assert not any("out of contact" in remark for remark in found.remarks)
+
+
+def test_rounding_of_a_depth_is_no_retraction():
+    depth = np.minimum(TIME, 1.0) * 1e-6 + 1e-10 * TIME
+    force = asp.theory.ting(TIME, np.minimum(TIME, 1.0) * 1e-6, SERIES, RADIUS)
+    record = Indentation.of(TIME, depth, force, drift="0.1 nm/s")
+    assert [name for name, *_ in record.segments] == ["approach", "hold"]

@@ -101,18 +101,23 @@ class IndentedSolid(Inference):
         return 1.0 if self.poisson is None else 1 - self.poisson**2
 
     @functools.cached_property
-    def _predicted(self) -> tuple[Indentation, Floats]:
-        """The record as means of neighbors, and its forces: of the best fit, then of draws.
+    def _of_contact(self) -> tuple[Indentation, Floats]:
+        """The record as means of neighbors, and its contact forces: of the best fit, then of draws.
 
-        The solid is of the approach and the hold alone: the retraction is predicted. To this the force out of
-        contact after it is added, since the drag of a liquid changes its sign with the velocity.
+        The solid is of the approach and the hold alone: the retraction is predicted.
         """
         record, _ = self.record.thinned(3 * _MOST)
         flat = self.draws.flat
         some = flat[np.linspace(0, len(flat) - 1, _DRAWN).astype(int)]
-        drag = np.where(np.arange(record.time.size) > record.last, self._rest_after or 0.0, 0.0)
         every = self.problem.values(np.vstack([self.rivals[0].at, some]))
-        return record, _force(every, record, self.tip) + drag
+        return record, _force(every, record, self.tip)
+
+    @property
+    def _predicted(self) -> tuple[Indentation, Floats]:
+        """The same with the force out of contact: drag of a liquid changes its sign with the velocity."""
+        record, forces = self._of_contact
+        retracted = np.arange(record.time.size) > record.last
+        return record, forces + np.where(retracted, self._rest_after or 0.0, 0.0)
 
     @property
     def forces(self) -> pd.DataFrame:
@@ -152,13 +157,15 @@ class IndentedSolid(Inference):
         pulled = rest - float(self.record.force[self.record.last :].min())
         return pulled if pulled > 5 * noise(self.record.force) else 0.0
 
-    @property
+    @functools.cached_property
     def _rest_after(self) -> float | None:
-        """Force out of contact after the retraction, N; None if the record ends before."""
-        after = self.record.force[self.record.last :]
-        tail = after[-max(after.size // 4, 1) :]
-        out = tail.size >= _TAIL and np.ptp(tail) < max(0.1 * self.record.largest, 10 * noise(after))
-        return float(np.median(tail)) if out else None
+        """Force out of contact after the retraction, N; None if the record ends before, by its prediction."""
+        record, (best, *_) = self._of_contact
+        after = record.force[record.last :]
+        count = max(after.size // 4, 1)
+        tail, off = after[-count:], best[-count:].max() <= _TOUCHING * record.largest
+        flat = count >= _TAIL and np.ptp(tail) < max(0.1 * record.largest, 10 * noise(after))
+        return float(np.median(tail)) if off and flat else None
 
     def remarked(self) -> IndentedSolid:
         """The same with remarks on adhesion, on forces out of contact, and on the retraction."""

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -43,6 +44,8 @@ _LEAST, _ROWS = 10, 3
 _NOISE, _TOUCHED, _FULL, _HELD = 8.0, 0.05, 0.98, 0.05
 """Noises above which a change is real; force, over the largest, of a contact and of an end of the approach;
 least duration of a hold over that of the contact."""
+_ROUNDING = 1e-12
+"""Of a depth, over the largest."""
 REACH = 0.5
 """Largest distance of a fitted contact from where the force is seen to rise, over the deepest indentation."""
 _REENTRY = 0.05
@@ -163,11 +166,16 @@ class Indentation(views.Brief):
         return float(self.depth[self.touched]) if self.contact is None else self.contact
 
     def thinned(self, most: int) -> tuple[Indentation, Floats]:
-        """Means of neighboring rows in each segment, at most so many; and how many rows each is of."""
-        edges = sorted({0, self.touched, self.held + 1, self.last + 1, self.time.size})
-        begin = np.concatenate(
-            [np.arange(first, last, -(-(last - first) // most)) for first, last in pairwise(edges)]
-        )
+        """Means of neighboring rows in each segment, at most so many; and how many rows each is of.
+
+        A long hold has them evenly in the logarithm of its rows, for it relaxes fastest at first.
+        """
+        begin: Any = []
+        for first, last in pairwise(sorted({0, self.touched, self.held + 1, self.last + 1, self.time.size})):
+            share = np.arange(last - first) / (last - first)
+            if first == self.held + 1 and share.size > most:
+                share = np.log1p(share * share.size) / math.log1p(share.size)
+            begin += (first + np.unique((most * share).astype(int), return_index=True)[1]).tolist()
         count = np.diff(np.append(begin, self.time.size)).astype(np.float64)
         t, d, F = (np.add.reduceat(values, begin) / count for values in (self.time, self.depth, self.force))
         ends = np.searchsorted(begin, [self.touched, self.held, self.last], "right") - 1
@@ -203,6 +211,8 @@ def _pressing(d: Floats, F: Floats) -> tuple[float, float]:
             return 0.0, float(np.sign(np.median(F)))
         if abs(F[0]) > 0.5 * np.abs(F).max():  # begins in contact
             return 0.0, float(np.sign(F[0]))
+        rest = float(F[0])  # of a fast approach, these rows hold more than the rest
+        away = np.abs(F - rest)
     risen = int(np.argmax(away > 0.2 * away.max()))
     largest = int(np.argmax(away[: max(turn, risen) + 1]))
     return rest, float(np.sign(F[largest] - rest))
@@ -238,7 +248,7 @@ def _baseline(t: Floats, F: Floats, out: NDArray[np.intp], last: int) -> Floats:
 
 def _segments(t: Floats, d: Floats, pressed: Floats, contact: float | None) -> tuple[int, int, int]:
     """Places of the first contact, of the end of the approach, and of the last row before the retraction."""
-    deepest, near = float(d.max()), _NOISE * noise(d)
+    deepest, near = float(d.max()), max(_NOISE * noise(d), _ROUNDING * float(np.abs(d).max()))
     last = int(np.flatnonzero(d >= deepest - near)[-1])
     if contact is not None and contact >= deepest:
         expected = f"a depth that the record reaches, below {deepest:.4g} m"
