@@ -65,6 +65,8 @@ def cases(refused: str, reader: Any, header: str, rows: str, *names: str, got: s
         # Capitals alone do not tell milli from mega, nor points thousands from decimals.
         *cases(COLUMN, measured, "TIME (S);{}", TWO, "LOAD (MN)", got="'MN'"),
         *cases(TABLE, measured, "Zeit (s);{}", "0;500\n10;1.000\n20;1.500\n", "Kraft (N)", got="'1.000'"),
+        *cases(TABLE, AREA, "Zeit (s);{}", "1;100\n10;110\n1.000;130\n", "Fläche (um2)", got="'1.000'"),
+        *cases(COLUMN, read, "TIME_S;{}", FALLING, "E_MPSI", got="'MPSI'"),
         # A modulus that may be the absolute one; a sweep is no relaxation.
         *cases(TABLE, read, "f (Hz);{};Loss modulus (MPa)", SWEPT, "Dynamic modulus (MPa)"),
         *cases(TABLE, read, "f (Hz);Dynamic modulus (MPa);{}", SWEPT, "Elastic modulus (MPa)"),
@@ -90,6 +92,9 @@ def cases(refused: str, reader: Any, header: str, rows: str, *names: str, got: s
         # What is no standard error.
         *cases(COLUMN, ERROR, "time_s;area_um2;{}", THREE, "2 sigma (um2)", "95 % CI", got=MULTIPLE),
         *cases(COLUMN, ERROR, "t;area_um2;{}", THREE, "variance", "expanded uncertainty (k=2)", got=MULTIPLE),
+        *cases(COLUMN, ERROR, "t;area_um2;{}", THREE, "std^2", "σ²", "2*std", "2-sigma", got=MULTIPLE),
+        *cases(COLUMN, ERROR, "t;area_um2;{}", THREE, "1.96 SE", "SD x2", "err95", "±2s", got=MULTIPLE),
+        *cases(COLUMN, ERROR, "t;area_um2;{}", THREE, "two sigma", "probable error", got=MULTIPLE),
     ],
 )
 def test_what_a_header_leaves_open_is_asked_for(reader, text, name, got):
@@ -121,9 +126,16 @@ def test_a_comma_before_three_digits_in_every_number_is_asked_for(separator):
 
 def test_rows_of_one_frequency_at_several_temperatures_or_amplitudes_have_no_mean():
     rows = "".join(f"{f};{T};{f + E};{E / 5}\n" for f in (1, 2, 4, 8, 16) for T, E in ((20, 9), (40, 3)))
-    for name in ("Temperature (°C)", "T (K)", "strain (%)"):
+    for name in ("Temperature (°C)", "T (K)", "strain (%)", "RH (%)", "Pressure (MPa)", "static load (N)"):
         with refuses("t.csv", "20 to 40"):
             read(written(f"Frequency (Hz);{name};E' (MPa);E'' (MPa)\n{rows}"))
+    with refuses("t.csv", "PC to PMMA"):
+        read(
+            written(
+                "time_s;material;E (MPa)\n"
+                + "".join(f"{t};PMMA;{9 - t}\n{t};PC;{8 - t}\n" for t in range(1, 6))
+            )
+        )
     data = read(written(f"Frequency (Hz);specimen;E' (MPa);E'' (MPa)\n{rows}"))
     np.testing.assert_allclose(data.columns[1][0], 1e6 * (6.0 + np.array([1, 2, 4, 8, 16])))
 
@@ -153,6 +165,9 @@ def test_elastic_and_viscous_moduli_are_storage_and_loss():
 
 def test_a_capital_among_small_letters_is_mega():
     assert measured(written("Time (s);F (MN)\n0;1\n2;3\n")).start == {"load": 1e6}
+    for name in ("E_Mpsi", "E Mpsi", "E (Mpsi)"):
+        data = read(written(f"time_s;{name}\n{FALLING}"))
+        assert np.ravel(data.columns[1])[0] == pytest.approx(3.2e6 * 6894.757293)
 
 
 def test_percent_and_permille_in_words():

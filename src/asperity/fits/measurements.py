@@ -41,7 +41,11 @@ QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 _ERRORS = (
     r"\b(std\w*|err\w*|sd|se|sem|sigma|uncert\w*|deviation|abweichung|fehler|ecart\w*)\b|±|\+/-|(std|err)$"
 )
-_NO_STANDARD_ERROR = r"\bvar|\b[23] ?(sigma|σ|s[de])|\bci\b|\bk ?= ?[23]|9\d ?%|expanded|erweitert"
+_MULTIPLE = r"(?<![\d.])([23]|1[.,]96|two|three|zwei|drei|deux|trois)[ *×·x-]*(std|sigma|σ|s\b|s[de]|err)"
+_NO_STANDARD_ERROR = (
+    rf"\bvar|²|\^ ?2|\*\* ?2|squared?\b|quadrat|{_MULTIPLE}|[×x*·] ?[23]\b|\bci\b|\bk ?= ?[23]"
+    r"|(?<!\d)9\d ?(%|$)|expanded|erweitert|elargi|probable|wahrscheinlich"
+)
 _IN_PERCENT = r"percent|prozent|%"
 _OF_WHOLE = rf"\ba ?/ ?a ?n(om)?\b|fraction|anteil|\bpart\b|{_IN_PERCENT}"
 """Names and units of values that are a fraction of the nominal area."""
@@ -181,7 +185,9 @@ def read_measurements(
         raise InputError(str(path), expected=f"{' and '.join(places)} in different columns", got=got)
     check_one_series(table, places["time"])
     read = {name: _checked(columns_read, at, name) for name, at in places.items()}
-    if (at := places.get("stderr")) is not None and re.search(_NO_STANDARD_ERROR, normal(table.names[at])):
+    if (at := places.get("stderr")) is not None and re.search(
+        _NO_STANDARD_ERROR, columns_read.label(at).lower().replace("_", " ")
+    ):
         about = f"column {table.names[at]!r} of {path}"
         raise InputError(about, expected="a standard error of each value", got="a multiple or a square of it")
     of_values, of_errors = (columns_read.unit(name, places[name]) for name in ("value", list(places)[-1]))

@@ -69,7 +69,12 @@ _MODULI: dict[Modulus, str] = {
 _LETTERS: dict[str, Modulus] = {"e": "young", "g": "shear"}
 _CONDITIONS = (
     (r"\bT\b|ϑ|(?i:temp(?!s\b))", 1.0, 0.0),
-    ("(?i)strain|dehnung|deform|verform|γ|gamma|ampl|auslenk|humid|feucht", 0.0, 0.1),
+    (
+        r"(?i)strain|dehnung|deform|verform|γ|gamma|ampl|auslenk|humid|feucht|\brh\b|moist|pressure|druck|stress"
+        r"|spannung|load|stati[ck]|vorlast|material|polymer|compound|mischung|stoff",
+        0.0,
+        0.1,
+    ),
 )
 """Columns of conditions; by how much rows of one time or frequency may differ, absolutely and relatively."""
 
@@ -170,12 +175,14 @@ def _check_conditions(columns: Columns, places: list[int], new: NDArray[np.bool_
     table, starts = columns.table, np.flatnonzero(new)
     for at, name in enumerate(table.names):
         for words, absolute, relative in _CONDITIONS:
-            values = table.values[:, at]
-            if at in places or not re.search(words, columns.label(at)) or not np.isfinite(values).all():
+            if at in places or not re.search(words, columns.label(at)):
                 continue
+            values, cells = table.values[:, at], [table.cell(row, at) for row in range(len(table.lines))]
+            if not np.isfinite(values).any():  # words
+                values = np.unique(cells, return_inverse=True)[1].astype(np.float64)
             spread = np.maximum.reduceat(values, starts) - np.minimum.reduceat(values, starts)
             if spread.max() > max(absolute, relative * np.abs(values).max()):
-                got = f"{values.min():g} to {values.max():g}"
+                got = f"{cells[values.argmin()]} to {cells[values.argmax()]}"
                 advice = "a file of the rows at one of them"
                 raise InputError(table.name, expected=f"rows at one {name!r}", got=got, advice=advice)
 

@@ -183,8 +183,13 @@ class Columns:
             and role.unit not in ("1", "")
             and words[-1:] != ["of"]
             and re.search(role.words, " ".join(words))
+            and len(last) > 2
+            and si.factor(last, last) is not None  # time_furlong
         ):
-            text = last if len(last) > 2 and si.factor(last, last) is not None else ""  # time_furlong
+            written = [one for one in re.split(r"[\s_]+", self.table.names[at]) if normal(one) == last]
+            word = (written or [last])[-1]
+            mega = word[0] == "M" and si.factor(last[1:], last[1:])  # in small letters milli
+            text = word if mega or si.factor(word, word) is not None else last
         if not text or not role.unit:
             return text, 1.0
         is_angular, is_stated = _ANGULAR.search(normal(parts.label)) is not None, at in self._stated

@@ -40,7 +40,7 @@ _COMMENT = re.compile(r"#(?![;,\t\d]|[A-Z/0?]+[!?]|N/A|NV)")
 _GLUED = re.compile(r"(?<=[^\W\d_][\])])(?=[+-]?\d+\.?\d*\t)")
 _MISSING = ("", "nan", "na", "n/a", "null", "#n/a", "#nv")  # in letters of any size
 
-_HUNDREDS = re.compile(r"[+-]?[1-9]\d\d")
+_WHOLE = re.compile(r"[+-]?[1-9]\d{0,2}")
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([,.' ]\d{3})+([.,]\d*)?")
 """A number that seems to have separators between thousands."""
 
@@ -176,7 +176,7 @@ def _check_decimals(
     """Refuse marks of which each may be a decimal one, or one between thousands.
 
     Commas decide for all columns. All points of English numbers may stand before three digits, but not beside
-    500 in one column, which lacks them.
+    500 or 1 in one column, which lack them.
     """
     if decimal == "." and separator not in ";\t":
         return  # where blanks or commas separate, points are decimal
@@ -202,7 +202,7 @@ def _is_ambiguous(lines: list[tuple[int, str]], separator: str, decimal: str, co
         cells = _cells(line, separator)
         for cell in cells if column is None else cells[column : column + 1]:
             if decimal not in cell:
-                whole |= _HUNDREDS.fullmatch(cell) is not None
+                whole |= _WHOLE.fullmatch(cell) is not None
             elif _number(cell, decimal) is not None and not GROUPED.fullmatch(cell):
                 return False
     return whole or column is None
