@@ -75,6 +75,8 @@ def cases(refused: str, reader: Any, header: str, rows: str, *names: str, got: s
         *cases(TABLE, measured, "Time (s);{};F (mN)", LOADS, "W (mN)", got="'F (mN)' and 'W (mN)'"),
         *cases(TABLE, measured, "Time (s);{};sigma (MPa)", LOADS, "Sigma_n (MPa)"),
         *cases(TABLE, measured, "Time (s);{}", TWO, "Tensile force (N)", "Horizontal displacement (mm)"),
+        # What is no load at each time.
+        *cases(TABLE, measured, "Time (s);{}", TWO, "Max load (N)", "Load change (N)", "Δ load (N)"),
         # Friction in newtons is no coefficient; normal forces below 0 are to be turned.
         *cases(COLUMN, read_record, "time_s;slip_um;{}", LOADS, "friction_N", "friction, N", "Friction_mN"),
         *cases(TABLE, read_record, "time_s;x_um;Fx_N;{}", "0;0;5;-10\n1;1;5;-9\n", "Fz_N", got="-10 to -9 N"),

@@ -24,7 +24,7 @@ ROLES = (
         "",
         "",
         r"segment|cycle|index|volt|temp(?!s\b)|humid|stiff|modul|speed|veloc|\bstd|\berr|set ?point"
-        r"|lateral|friction|cantilever disp",
+        r"|lateral|friction|cantilever disp|\bmax|residual|contact depth|chang",
     ),
     TIME,
     Role("deflection", "m", r"deflec|\bdefl|auslenk|durchbieg|deviation"),

@@ -27,7 +27,7 @@ _ROLES = (
         "",
         r"temp(?!s\b)|rate\b|veloc|speed|geschw|vitesse|\bstd|\berr|shear|scher|schub|tang|lateral|horizont"
         r"|reib|fri[ck]|frott|\bpor[eo]|tensi|traction|\bzug|luft|\boil\b|\bair\b|confin|hydrau|atmos|offset|preload"
-        r"|setpoint",
+        r"|setpoint|\bmax|chang|anderung|\bdelta\b|δ",
     ),
     TIME,
     Role("separation", "m", r"separation|abstand|\bgap\b|spalt|ecart"),
