@@ -249,7 +249,11 @@ def test_measured_areas_are_drawn_beside_computed_ones_and_their_ratio_below(pre
     path = written(tmp_path, AREA)
     held = asp.age(asp.press(SCAN, SOLID, pressure=3e6), [1.0, 10.0, 100.0, 1000.0], rtol=1e-2).dataset
     summary = asp.analysis.aging_summary(held)
-    areas, steps = held["contact_area_corrected"].values, stepped.dataset
+    areas, first, steps = (
+        held["contact_area_corrected"].values,
+        float(held["contact_area"][0]),
+        stepped.dataset,
+    )
     corrected = 1e12 * prediction.series("contact_area_corrected")
     with remarks_made() as made:
         cases: list[Any] = [
@@ -264,8 +268,8 @@ def test_measured_areas_are_drawn_beside_computed_ones_and_their_ratio_below(pre
                 figures.aging_curve(held, summary, path),
                 0,
                 held["time"].values,
-                areas / areas[0],
-                1 / areas[0],
+                areas / first,
+                1 / first,
             ),
             (
                 figures.history_figure(steps, path),

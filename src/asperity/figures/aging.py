@@ -65,9 +65,10 @@ def aging_curve(
     axes.margins(x=0.03)
     style.count_nominal_area(axes, 100.0 * summary.initial_area / summary.sites)
     if measured is not None:
-        (computed, called), time = comparable_area(dataset), dataset["time"].values
-        measurements = measured_area(measured, cell_of(dataset) * summary.sites, si=dataset.attrs["si"])
-        draw_measured(grid[:2], measurements, time, computed / computed[0], 1 / computed[0], called=called)
+        (computed, called), site = comparable_area(dataset), cell_of(dataset)
+        measurements = measured_area(measured, site * summary.sites, si=dataset.attrs["si"])
+        time, first = dataset["time"].values, site * summary.initial_area
+        draw_measured(grid[:2], measurements, time, computed / first, 1 / first, called=called)
     if summary.load is not None and falls:
         ratio = summary.load / summary.initial_load
         _draw_computed(grid[-1], summary.time, ratio)

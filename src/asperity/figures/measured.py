@@ -44,6 +44,9 @@ def draw_measured(
     look: dict[str, Any] = {"fmt": "D", "color": style.INK, "markerfacecolor": style.ORANGE}
     look |= {"markersize": 3.5, "elinewidth": 0.8, "capsize": 1.5, "zorder": 5}
     upper.errorbar(at, value, error, label="measured", **look)
+    if called != "computed":  # the curve in the panel is not what they are compared with
+        line: dict[str, Any] = {"color": style.GRAY, "linewidth": 1.0, "label": f"{called} for pixel rims"}
+        upper.plot(place(time[positive]), computed[positive], "--", **line)
     low, high = upper.get_ylim()
     ends = (value, value) if error is None else (value - error, value + error)
     room = 0.05 * (high - low)
