@@ -167,8 +167,8 @@ class Record(views.Brief):
         if name == "slip":
             normal = about.get("normal")
             force = values if normal is None else values * normal
-            driven, compliance = drive_of_slip(times, places[name], force)
-            if compliance == 0 and not (np.diff(places[name]) < 0).any():
+            driven, prescribed = drive_of_slip(times, places[name], force)
+            if prescribed:
                 return cls.of_displacement(times, places[name], values, **about)
         else:
             driven = drive_of(times, places[name])
@@ -224,12 +224,16 @@ class Record(views.Brief):
         return float(slips[slips > 0].min())
 
     @property
-    def events(self) -> NDArray[np.intp]:
-        """Event of each entry, shape (n,): 0 the run-in, 1 a rest and the slip after it, 2 a step."""
+    def steps(self) -> NDArray[np.bool_]:
+        """Whether the velocity of slip steps between neighboring entries, shape (n - 1,)."""
         before, now = self.velocity[:-1], self.velocity[1:]
         with np.errstate(divide="ignore", invalid="ignore"):
-            stepped = (before > 0) & (now > 0) & (np.abs(np.log(now / before)) > math.log(STEP))
-        change = np.where(now == 0, HOLD, np.where(stepped, STEPPED, -1))
+            return (before > 0) & (now > 0) & (np.abs(np.log(now / before)) > math.log(STEP))
+
+    @property
+    def events(self) -> NDArray[np.intp]:
+        """Event of each entry, shape (n,): 0 the run-in, 1 a rest and the slip after it, 2 a step."""
+        change = np.where(self.velocity[1:] == 0, HOLD, np.where(self.steps, STEPPED, -1))
         change = np.append(HOLD if self.velocity[0] == 0 else RUN_IN, change)
         return np.asarray(change[np.maximum.accumulate(np.where(change >= 0, np.arange(change.size), 0))])
 
