@@ -224,6 +224,15 @@ def test_a_fast_slide_between_holds_is_no_peak():
     assert max(expected) < friction.max()
 
 
+@pytest.mark.parametrize("rows", [0, 2])
+def test_a_hold_without_rows_is_refused(rows):
+    time, place, _, friction = exact([1.0, 0.0, 1.0], [40.0, 30.0, 40.0])
+    kept = (time < 40.1) | (time > 69.9)
+    kept[np.linspace(400, 700, rows + 2).astype(int)] = True
+    with refuses("load point", "between 40 and"):
+        F.Record.of_machine(time[kept], friction[kept], load_point=place[kept])
+
+
 def test_noisy_slip_is_not_prescribed():
     """With k of 1/um, slip differs from the load point by half its noise."""
     about = {"a": 0.010, "b": 0.014, "D_c": 5.0}
