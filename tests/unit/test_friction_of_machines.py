@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.integrate import odeint
+from scipy.integrate import odeint, solve_ivp
 from scipy.signal import lfilter
 from scipy.stats import binom
 
@@ -189,6 +189,66 @@ def test_what_rests_is_the_load_point():
         np.testing.assert_allclose(peaks.duration, [10.0, 100.0, 1000.0], atol=0.25)
         healing = np.diff(peaks.peak - peaks.before)[-1] / np.log(10.0)
         assert healing == pytest.approx(TRUTH.b, rel=0.15)
+
+
+def solved(velocity, lasts, k, a=0.008, b=0.012, D_c=2.0):
+    """Times, load point (um) and friction by the aging law, integrated by scipy; k in 1/um."""
+    ends, state, rows = np.cumsum([0.0, *lasts]), [0.6, np.log(D_c / velocity[0])], [[0.6]]
+    for speed, start, end in zip(velocity, ends, ends[1:], strict=False):
+
+        def flow(t, y, speed=speed):
+            slip = np.exp((y[0] - 0.6 - b * (y[1] - np.log(D_c))) / a)
+            return k * (speed - slip), np.exp(-y[1]) - slip / D_c
+
+        times = np.arange(round(10 * start) + 1, round(10 * end) + 1) / 10
+        found = solve_ivp(
+            flow, (start, end), state, "LSODA", np.append(times[:-1], end), rtol=1e-9, atol=1e-12
+        )
+        state = found.y[:, -1]
+        rows.append(found.y[0])
+    time = np.arange(round(10 * ends[-1]) + 1) / 10
+    return time, np.interp(time, ends, np.cumsum([0.0, *np.multiply(velocity, lasts)])), np.concatenate(rows)
+
+
+def test_a_fast_slide_between_holds_is_no_peak():
+    """Slides contain 5 s at 30 um/s, whose friction is larger than that after short holds."""
+    holds, slide = [3.0, 10.0], ([1.0, 30.0, 1.0], [25.0, 5.0, 40.0])
+    velocity = [1.0, *(v for _ in holds for v in (0.0, *slide[0]))]
+    lasts = [60.0, *(t for hold in holds for t in (hold, *slide[1]))]
+    time, place, friction = solved(velocity, lasts, k=5e-3)
+    peaks = F.hold_peaks(F.Record.of_machine(time, friction, load_point=place * UM))
+    after = np.cumsum(lasts)[1::4]
+    expected = [friction[(time >= start) & (time < start + 25)].max() for start in after]
+    np.testing.assert_allclose(peaks.peak, expected, atol=1e-5)
+    np.testing.assert_allclose(peaks.before, 0.6, atol=1e-4)
+    assert max(expected) < friction.max()
+
+
+@pytest.mark.parametrize("rows", [0, 2])
+def test_a_hold_without_rows_is_refused(rows):
+    time, place, _, friction = exact([1.0, 0.0, 1.0], [40.0, 30.0, 40.0])
+    kept = (time < 40.1) | (time > 69.9)
+    kept[np.linspace(400, 700, rows + 2).astype(int)] = True
+    with refuses("load point", "between 40 and"):
+        F.Record.of_machine(time[kept], friction[kept], load_point=place[kept])
+
+
+def test_noisy_slip_is_not_prescribed():
+    """With k of 1/um, slip differs from the load point by half its noise."""
+    about = {"a": 0.010, "b": 0.014, "D_c": 5.0}
+    time, place, friction = solved([1.0, 10.0, 1.0], [40.0, 15.0, 65.0], k=1.0, **about)
+    for seed in range(2):
+        rng = np.random.default_rng(seed)
+        slip = place - (friction - 0.6) + 0.02 * rng.standard_normal(time.size)
+        assert (np.diff(slip) > 0).all()
+        noisy_friction = friction + 2e-4 * rng.standard_normal(time.size)
+        record = F.Record.of_machine(time, noisy_friction, slip=slip * UM, units=("s", "um"))
+        fit = F.rate_and_state(record)
+        assert isinstance(fit, F.MachineFit)
+        assert abs(fit.V_0 - UM) < 1e-3 * UM
+        for name, unit in (("a", 1.0), ("b", 1.0), ("D_c", UM)):
+            assert abs(getattr(fit, name) / unit - about[name]) < 3 * getattr(fit, f"{name}_stderr") / unit
+            assert getattr(fit, f"{name}_stderr") < 0.05 * getattr(fit, name)
 
 
 @pytest.mark.slow

@@ -223,6 +223,15 @@ def test_before_a_hold_counts_the_second_half_of_the_slip():
         np.testing.assert_allclose(rows, [[2.0], [peak], [0.4], [1.0]])
 
 
+def test_a_step_of_the_velocity_is_no_part_of_a_hold():
+    """An interval with part of a slip, at 0.4 or 0.3, is no step."""
+    velocity = np.array([1, 1, 30, 30, 1, 1, 1, 1, 0.4, 0, 0, 0.3, 1, 1, 1, 30, 30, 1])
+    friction = np.array([5, 5, 9, 9, 7, 6, 4, 4, 4, 3, 3, 6, 7, 5, 5, 9, 9, 5]) / 10
+    found = F.hold_peaks(F.Record(np.arange(18.0), velocity, friction))
+    rows = [found.duration, found.peak, found.before, found.velocity]
+    np.testing.assert_allclose(rows, [[2.0], [0.7], [0.4], [1.0]])
+
+
 def test_rest_counts_only_where_it_is_the_strength():
     known = dataclasses.replace(AGING, a=0.0)
     machine = F.synthetic_record(HOLDS, known)

@@ -90,8 +90,8 @@ class HoldPeaks(views.Brief):
     """Static friction after holds; arrays of shape (holds,).
 
     `duration` is the time at rest. `peak` is friction at the end of the rest, if this is the strength, or
-    the largest in the slip after it. `before` is the mean in the second half of the slip before, at
-    `velocity`.
+    the largest in the slip after it, until the velocity steps. `before` is the mean in the second half of the
+    slip before, after its last step, at `velocity`.
     """
 
     duration: Floats
@@ -109,11 +109,18 @@ def hold_peaks(record: Record) -> HoldPeaks:
     checks.instance("record", record, Record, "asperity.friction.record_of(history)")
     _refuse_noise(record)
     time, velocity, friction = record.time, record.velocity, record.friction
-    runs = np.split(np.arange(time.size), np.flatnonzero(np.diff(velocity == 0)) + 1)  # slips and rests
+    rested, steps = np.diff(velocity == 0), record.steps
+    # Slip in part of an interval is no step, and a slider that gets up speed seems to step in each.
+    steps[1:] &= ~(rested | steps)[:-1]
+    steps[:-1] &= ~rested[1:]
+    runs = np.split(np.arange(time.size), np.flatnonzero(rested | steps) + 1)  # rests, and slips
     rows = []
     for slid, rest, slip in zip(runs, runs[1:], runs[2:], strict=False):
         if velocity[rest[0]] == 0:
-            peak = friction[rest[-1]] if record.strength_at_rest else friction[slip].max()
-            before = friction[slid[slid.size // 2 :]].mean()
-            rows.append((time[rest[-1]] - time[slid[-1]], peak, before, velocity[slid[-1]]))
+            # A load point may turn up to a row before the last of the slip.
+            slipping = friction[slip[: max(1, slip.size - 1)]]
+            peak = friction[rest[-1]] if record.strength_at_rest else slipping.max()
+            late = slid[slid.size // 2 :]
+            speed = np.median(velocity[late])
+            rows.append((time[rest[-1]] - time[slid[-1]], peak, friction[late].mean(), speed))
     return HoldPeaks(*np.array(rows, dtype=np.float64).reshape(-1, 4).T)

@@ -13,8 +13,11 @@ from asperity.base import checks, units, views
 from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.friction.laws import timetable
-from asperity.friction.loading import STEP, Drive, drive_of, drive_of_slip
+from asperity.friction.loading import STEP, Drive, drive_of, drive_of_slip, variance
 from asperity.friction.normal_stress import changes
+
+_GAP, _PART = 10.0, "a part of the record"
+"""Interval between rows, over their median, that may hide a hold; advice."""
 
 RUN_IN, HOLD, STEPPED = 0, 1, 2
 """Kinds of events."""
@@ -151,7 +154,7 @@ class Record(views.Brief):
         the k that makes it straight between its kinks.
 
         Displacements have shape (n,), and may fall by their noise; at least one is needed. `about` are
-        further arguments of `Record`. `InputError` for a load point that goes back.
+        further arguments of `Record`. `InputError` for a load point that goes back, or rests without rows.
         """
         times, values = checks.line("time", time), checks.line("friction", friction)
         measured = {"load_point": load_point, "slip": slip}
@@ -167,8 +170,8 @@ class Record(views.Brief):
         if name == "slip":
             normal = about.get("normal")
             force = values if normal is None else values * normal
-            driven, compliance = drive_of_slip(times, places[name], force)
-            if compliance == 0 and not (np.diff(places[name]) < 0).any():
+            driven, prescribed = drive_of_slip(times, places[name], force)
+            if prescribed:
                 return cls.of_displacement(times, places[name], values, **about)
         else:
             driven = drive_of(times, places[name])
@@ -177,11 +180,18 @@ class Record(views.Brief):
             n, unit = int(np.argmax(driven.velocity < 0)), record.units[0]
             start, end = driven.edges(times)[n : n + 2] / record.scales[0]
             got = f"{record.speed(driven.velocity[n])} from {start:.6g} to {end:.6g} {unit}"
-            expected, advice = "a displacement that goes on in one direction", "a part of the record"
+            expected, advice = "a displacement that goes on in one direction", _PART
             if name == "slip":
                 expected = "slip whose load point, slip + friction/k, goes on in one direction for some k"
                 advice = "a column of the load point, more rows in each hold, or a part of the record"
             raise InputError(name.replace("_", " "), expected=expected, got=got, advice=advice)
+        gaps, least = np.diff(times), np.diff(driven.place(times)) / 2
+        least -= 5 * math.sqrt(variance(times, places[name]))
+        lost = (gaps > _GAP * np.median(gaps)) & (np.diff(places[name]) < least)
+        if name == "load_point" and lost.any():
+            start, end = times[int(np.argmax(lost)) :][:2] / record.scales[0]
+            got = f"a rest without rows between {start:.6g} and {end:.6g} {record.units[0]}"
+            raise InputError("load point", expected="four rows or more in each hold", got=got, advice=_PART)
         return record
 
     def between(self, start: float, stop: float = math.inf) -> Record:
@@ -224,12 +234,16 @@ class Record(views.Brief):
         return float(slips[slips > 0].min())
 
     @property
-    def events(self) -> NDArray[np.intp]:
-        """Event of each entry, shape (n,): 0 the run-in, 1 a rest and the slip after it, 2 a step."""
+    def steps(self) -> NDArray[np.bool_]:
+        """Whether the velocity of slip steps between neighboring entries, shape (n - 1,)."""
         before, now = self.velocity[:-1], self.velocity[1:]
         with np.errstate(divide="ignore", invalid="ignore"):
-            stepped = (before > 0) & (now > 0) & (np.abs(np.log(now / before)) > math.log(STEP))
-        change = np.where(now == 0, HOLD, np.where(stepped, STEPPED, -1))
+            return (before > 0) & (now > 0) & (np.abs(np.log(now / before)) > math.log(STEP))
+
+    @property
+    def events(self) -> NDArray[np.intp]:
+        """Event of each entry, shape (n,): 0 the run-in, 1 a rest and the slip after it, 2 a step."""
+        change = np.where(self.velocity[1:] == 0, HOLD, np.where(self.steps, STEPPED, -1))
         change = np.append(HOLD if self.velocity[0] == 0 else RUN_IN, change)
         return np.asarray(change[np.maximum.accumulate(np.where(change >= 0, np.arange(change.size), 0))])
 
