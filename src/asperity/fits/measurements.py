@@ -256,7 +256,7 @@ def errors_beside(names: Sequence[str], advice: str = "one such name in the head
     of_time, error = (re.compile(role.words) for role in (_ERROR_OF_TIME, _ERROR))
     matching = [name for name in names if error.search(normal(name)) and not of_time.search(normal(name))]
     if len(matching) > 1 or any(re.search("%|percent|rel", name, re.I) for name in matching):
-        expected = "one column of standard errors, in the unit of the values"
+        expected = "one column of standard errors, in the unit of the values and not in % of each"
         got = ", ".join(map(repr, matching))
         raise InputError("stderr", expected=expected, got=got, advice=advice)
     return matching[0] if matching else None

@@ -17,6 +17,7 @@ from asperity.analysis.observation import observe
 from asperity.ask.prediction import Predict
 from asperity.ask.question import answers
 from asperity.ask.surface import scan_of
+from asperity.base.calls import remarks_made
 from asperity.base.machine import require
 from asperity.base.readable import length_factor, written
 from asperity.carried.response import stiffness_of_contact
@@ -140,7 +141,8 @@ def _predicted(
             observe(contact, **instrument)  # refuses before minutes have passed
         progress.stage("aging", times=times.tolist())
         how: dict[str, Any] = {"rtol": rtol, "progress": progress.reached, "checkpoint": question.checkpoint}
-        dataset = age(contact, times, protocol=protocol, fields_at=maps, carried=carried, **how).dataset
+        with remarks_made() as made:
+            dataset = age(contact, times, protocol=protocol, fields_at=maps, carried=carried, **how).dataset
     except InputError as error:
         raise _of_pressure(error, held, solid) from None
     if strength is not None:
@@ -174,7 +176,8 @@ def _predicted(
         bands=bands,
     )
     on_contact = remarks_on_history(scan, solid, dataset, prediction.resolved)
-    remarks = *remarks_on_bodies(scan, solid), *on_contact, *remarks_on_prediction(prediction)
+    on_bodies = *dict.fromkeys(made), *remarks_on_bodies(scan, solid)
+    remarks = *on_bodies, *on_contact, *remarks_on_prediction(prediction)
     return replace(prediction, remarks=remarks)
 
 

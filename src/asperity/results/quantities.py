@@ -274,5 +274,6 @@ def units_named(named: Mapping[str, str]) -> Units:
     quantities = select()
     units = {quantities[name].dimension: unit for name, unit in named.items() if name in quantities}
     systems = (_SITES, _OWN, _OWN | _OWN_OF_A_LINE, _SI, _SI | _SI_OF_A_LINE)
-    alike = (system for system in systems if all(system.get(d) == units.get(d) for d in ("time", "force")))
+    telling = {d: units[d] for d in ("time", "force", "pressure", "velocity") if d in units}
+    alike = (system for system in systems if telling and telling.items() <= system.items())
     return next(alike, {}) | units

@@ -56,8 +56,8 @@ def predict(
         legs = cast(list[Any], protocol.get("legs", []))
         begins = "file" in protocol or bool(legs and legs[0]["kind"] == "ramp")
         if (contact or not begins) and len(contact) != 1:
-            got = "both" if contact else "neither"
-            raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")
+            got, advice = ("both", "one of them") if contact else ("neither", "--pressure 1MPa")
+            raise InputError("--pressure", expected="a pressure or a load", got=got, advice=advice)
         if material is None and "young" not in flags.get("solid", {}):
             expected = "a relaxation table, a TOML file, or --young"
             raise InputError("material", expected=expected, got="none", advice="asperity predict --help")

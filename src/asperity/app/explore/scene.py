@@ -22,13 +22,14 @@ from numpy.typing import NDArray
 
 from asperity.aging import Frame
 from asperity.analysis.field_values import pressure_of
-from asperity.analysis.legs import leg_table, numbers_of
+from asperity.analysis.legs import leg_table, numbers_of, protocol_of
 from asperity.analysis.maps import on_the_surface
 from asperity.app.config import RunConfig, to_tables, to_toml
 from asperity.app.runs import Outcome
 from asperity.base.words import finite
 from asperity.lattice import Edges, Field, Mask
 from asperity.patches import patches
+from asperity.protocols.legs import legs_of
 from asperity.protocols.schedule import Schedule
 from asperity.results.dataset import Moment, dataset_of, moment_of
 from asperity.results.quantities import PAGE, Quantity, areas_first, select
@@ -186,7 +187,8 @@ class Recording:
         self.scene, self.heights = _scene(dataset, config, title)
         self.scene |= facts
         if config is not None and (law := config.friction.strength) is not None:
-            speeds = np.array([leg.speed or 0.0 for leg in config.written_out] or [0.0])
+            legs = protocol_of(dataset)  # a prediction makes its own of a ramp
+            speeds = np.array([leg.speed or 0.0 for leg in (legs_of(legs) if legs else ())] or [0.0])
             self._strengths = (law.at(coming_velocity(speeds)) / law.strength).tolist()
 
     def add_row(self, row: Moment) -> None:
@@ -198,7 +200,8 @@ class Recording:
             self._rises = row["load"] > self._first["load"] * (1 + _RISE)
             self._first = row if self._rises else self._first
         if self._strengths and _STRENGTH not in row:
-            strength = self._strengths[int(row.get("leg", 0))] + row.get("grown", 0.0)
+            leg = min(int(row.get("leg", 0)), len(self._strengths) - 1)
+            strength = self._strengths[leg] + row.get("grown", 0.0)
             row = {**row, _STRENGTH: strength}
         numbers = row | _derived(row, self._first, self._last or row, self.scene["switches"])
         self.rows.append([float(numbers[name]) for name in self.scene["columns"]])
