@@ -84,6 +84,9 @@ def test_a_campaign_gathers_the_answers_of_its_question(tmp_path, capsys, text, 
     data = campaign.open(tmp_path / "out")
     assert {axis: data[axis].values.tolist() for axis in axes} == axes
     assert data.attrs["finished"] == len(plan.runs)
+    units = {fact.split()[1] for fact in data.attrs["parameter_units"].split(", ")}
+    assert "s" in units
+    assert not units & {"time", "pressure", "velocity", "length"}  # dimensions
     where = {axis: values[-1] for axis, values in axes.items()}
     seed = int(data["seed"][-1])
     right = alone(seed, **where)

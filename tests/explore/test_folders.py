@@ -13,6 +13,7 @@ import pytest
 
 import asperity as asp
 import asperity.app.campaign as campaign
+from asperity.app.cli import main
 from asperity.app.config import config_from
 from asperity.app.explore.export import exported_page
 from asperity.app.explore.folders import entries, inside, kind_of, open_entry
@@ -170,3 +171,20 @@ def test_surfaces_are_read_from_known_places_alone(tmp_path: Path) -> None:
     (shown / "link.npy").symlink_to(elsewhere / "both.npy")
     with refuses("path", "link.npy"):
         places.find("link.npy")
+
+
+def test_a_prediction_of_a_ramp_with_a_strength_opens_with_its_friction(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    heights = asp.surfaces.spectral((32, 32), hurst=0.8, roll_off=8.0, cutoff=2.0, rms_height=0.05, seed=1)
+    np.savetxt("scan.txt", heights)
+    scan = "--surface scan.txt --file-unit um --pixel-size 1um --tilt none --quiet"
+    solid = "--young 3GPa --pressure 1MPa --ramp 2s --work-of-adhesion 0.05J/m^2"
+    drawn = ["--branch", "0.2 30s", "--figures", "", "--out", "found"]
+    assert main([*f"predict {scan} {solid} --shear-strength 40MPa".split(), *drawn]) == 0
+    recording = open_entry(tmp_path, "found").recording
+    assert recording is not None
+    assert recording.scene is not None
+    assert recording.scene["shear_strength"] == 4e7
+    assert len(recording.rows) > 3
+    remarks = [line for line in Path("found/summary.txt").read_text("utf-8").split("\n") if "remark" in line]
+    assert any("pull_off" in line for line in remarks)

@@ -1,6 +1,7 @@
 """What a contact carries besides its load: current, heat, and shear; beside closed forms."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -47,7 +48,7 @@ def test_current_and_heat_do_not_pass_the_apparatus(apparatus):
     how = {"hurst": 0.8, "roll_off": 4.0, "cutoff": 2.0, "rms_height": 0.02, "pixel_size": 1.0}
     scan = asp.surfaces.spectral((32, 32), **how, unit="um", seed=1)
     carried, ends = asp.Carried(resistivity=1e-6, conductivity=0.2), ("", "_low", "_high")
-    spans = {"pressure": "1 MPa", "first": 1.0, "last": 10.0, "per_decade": 4}
+    spans: dict[str, Any] = {"pressure": "1 MPa", "first": 1.0, "last": 10.0, "per_decade": 4}
     found = []
     for one in (None, apparatus):
         solid = asp.solids.half_space(young="3 GPa", poisson=0.3, apparatus=one, branches=[(0.5, 1.0)])

@@ -239,7 +239,7 @@ def test_at_a_held_separation_the_mean_creeps_until_nothing_is_borne(apparatus, 
     heights = asp.surfaces.spectral((16, 16), roll_off=8, cutoff=3, rms_height=1.0, seed=2)
     law = Norton(rate=0.1, stress=0.4, exponent=1.0)
     solid = half_space(modulus=1.0, creep=law, permanent=0.4, apparatus=apparatus, hardness=hardness)
-    contact = asp.press(asp.surfaces.Surface(heights, pixel_size=1.0), solid, load=5.0)
+    contact = asp.press(asp.surfaces.Surface(heights, pixel_size=(1.0, 1.0)), solid, load=5.0)
     limit, late = asp.relax(contact, hold="separation"), asp.age(contact, [1e7], hold="separation").final
     assert (limit.load, limit.area) == (0.0, 1)
     np.testing.assert_allclose(late.u, limit.u, atol=1e-7)

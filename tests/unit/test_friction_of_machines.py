@@ -193,7 +193,8 @@ def test_what_rests_is_the_load_point():
 
 def solved(velocity, lasts, k, a=0.008, b=0.012, D_c=2.0):
     """Times, load point (um) and friction by the aging law, integrated by scipy; k in 1/um."""
-    ends, state, rows = np.cumsum([0.0, *lasts]), [0.6, np.log(D_c / velocity[0])], [[0.6]]
+    state: Any = [0.6, np.log(D_c / velocity[0])]
+    ends, rows = np.cumsum([0.0, *lasts]), [[0.6]]
     for speed, start, end in zip(velocity, ends, ends[1:], strict=False):
 
         def flow(t, y, speed=speed):
