@@ -127,3 +127,16 @@ def test_a_campaign_is_drawn_in_the_formats_of_its_file(asperity):
     plan.write_text(base + 'measured = "area.csv"\n')
     with pytest.raises(ConfigError, match="measured: expected none in a campaign"):
         read_plan(plan)
+
+
+def test_the_table_of_another_figure_is_not_replaced(asperity, tmp_path):
+    np.savetxt("scan.txt", np.random.default_rng(0).normal(size=(16, 16)))
+    scan = ("surface", "scan.txt", "--file-unit", "um", "--pixel-size", "1um")
+    assert asperity(*scan, "--out", "b.pdf")[0] == 0
+    table = Path("b.csv").read_bytes()
+    status, _, errors = asperity(*scan, "--tilt", "none", "--out", "b.svg")
+    assert (status, "b.csv, which exists" in errors) == (2, True)
+    assert Path("b.csv").read_bytes() == table
+    assert not Path("b.svg").exists()
+    assert asperity(*scan, "--tilt", "none", "--out", "b.svg", "--overwrite")[0] == 0
+    assert Path("b.csv").read_bytes() != table

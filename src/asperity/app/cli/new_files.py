@@ -40,12 +40,13 @@ def check_figures(
 ) -> dict[Path, Standing]:
     """Names of a figure in its formats, by default that of its name, with what they replace.
 
-    The last is the table of its data, which never replaces the source of the numbers.
+    The last is the table of its data, which never replaces the source of the numbers, nor that of a figure
+    unless it is to overwrite.
     """
     files = [out] if drawn.figures is None else [out.with_suffix(f".{one}") for one in drawn.formats()]
     pictures = {file: check_new_file(flag, file, FIGURE_SUFFIXES, overwrite=overwrite) for file in files}
     tables = [table_beside(out, source)] * bool(files)
-    return pictures | {table: standing(table) for table in tables}
+    return pictures | {table: check_new_file(flag, table, (".csv",), overwrite=overwrite) for table in tables}
 
 
 @dataclass(frozen=True)
