@@ -167,8 +167,9 @@ def with_bands(dataset: xr.Dataset, scan: OfScan, solid: Mapping[str, Floats]) -
         factors = scan.draws(part)
         if part == "punch":
             factors[:, dataset["contact_fraction"].values > CLOSED] = np.nan
-        if name == "normal_stiffness":  # the apparatus is in series, and sure
-            sure = dataset[name].values / dataset.attrs.get("apparatus", math.inf)
+        spring = dataset.attrs.get("apparatus", math.inf)
+        if name == "normal_stiffness" and math.isfinite(spring):  # in series, and sure
+            sure = dataset[name].values / spring
             factors = 1 / (sure + (1 - sure) / factors)
         factors *= np.resize(solid.get(base, [[1.0]]), factors.shape)
         columns |= band_of(dataset[name], factors**power)
