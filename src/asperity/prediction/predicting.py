@@ -176,9 +176,8 @@ def _predicted(
         bands=bands,
     )
     on_contact = remarks_on_history(scan, solid, dataset, prediction.resolved)
-    on_bodies = *dict.fromkeys(made), *remarks_on_bodies(scan, solid)
-    remarks = *on_bodies, *on_contact, *remarks_on_prediction(prediction)
-    return replace(prediction, remarks=remarks)
+    remarks = *dict.fromkeys(made), *remarks_on_bodies(scan, solid), *on_contact
+    return replace(prediction, remarks=(*remarks, *remarks_on_prediction(prediction)))
 
 
 def _of_pressure(error: InputError, held: Mapping[str, float], solid: Solid) -> InputError:
