@@ -279,7 +279,8 @@ def _measurements(file: Path, how: dict[str, Any], model: str, quantity: str | N
             raise
         of = {"force": "held", "friction": "healing", "area": "relaxation"}
         better = of.get(str(mistake.cure["quantity"]), "ball")
-        mistake.cure = {"model": better}
-        if better == model:
+        if better != model:
+            mistake.cure = {"model": better}
+        elif model == "healing":
             mistake.cure, mistake.advice = {}, "friction forces divided by the normal load"
         raise mistake.about(mistake.name) from None
